@@ -11,6 +11,7 @@
 
 #include "client/meanwhile.h"
 #include "limb_ring/ring_directory.h"
+#include "process/unix_socket.h"
 
 namespace limb_ring::client {
 
@@ -85,7 +86,7 @@ void refuse_foreign_folder(const std::string& folder) {
 }
 
 void refuse_foreign_daemon(const UnixSocket& socket, const std::string& path) {
-  if (socket.peer_user() == std::optional<unsigned>(geteuid())) return;
+  if (process::is_of_our_user(socket.fd())) return;
   throw HostPortError(path + " is served by another user's process");
 }
 

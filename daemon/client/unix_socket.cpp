@@ -2,12 +2,12 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
+#include <utility>
+
+#include "process/unix_socket.h"
 
 namespace limb_ring::client {
 
@@ -25,51 +25,22 @@ timespec left_until(Clock::time_point deadline) {
 }
 
 UnixSocket::Status status_of_errno() {
-  const bool would_block = errno == EAGAIN || errno == EWOULDBLOCK;
-  return would_block ? UnixSocket::Status::would_block : UnixSocket::Status::closed;
+  return process::would_block(errno) ? UnixSocket::Status::would_block : UnixSocket::Status::closed;
 }
 
 }  // namespace
 
 std::optional<UnixSocket> UnixSocket::connect(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) {
-    errno = ENAMETOOLONG;
-    return std::nullopt;
-  }
-  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
-  UnixSocket made(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (made.fd_ < 0) return std::nullopt;
-  const auto* generic = reinterpret_cast<const sockaddr*>(&address);
-  if (::connect(made.fd_, generic, sizeof address) == 0) return made;
-  const int why = errno;
-  made = UnixSocket(-1);
-  errno = why;
-  return std::nullopt;
-}
-
-UnixSocket& UnixSocket::operator=(UnixSocket&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-UnixSocket::~UnixSocket() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
-std::optional<unsigned> UnixSocket::peer_user() const {
-  ucred peer{};
-  socklen_t size = sizeof peer;
-  if (getsockopt(fd_, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return std::nullopt;
-  return peer.uid;
+  process::UniqueFd made = process::connect_unix(path);
+  if (!made.valid()) return std::nullopt;
+  return UnixSocket(std::move(made));
 }
 
 UnixSocket::Status UnixSocket::read(StreamBuffer& in) {
   std::uint8_t* space = in.space(kReadSize);
   ssize_t got = 0;
   do {
-    got = ::recv(fd_, space, kReadSize, 0);
+    got = ::recv(fd_.get(), space, kReadSize, 0);
   } while (got < 0 && errno == EINTR);
   if (got < 0) return status_of_errno();
   in.added(static_cast<std::size_t>(got));
@@ -79,7 +50,7 @@ UnixSocket::Status UnixSocket::read(StreamBuffer& in) {
 UnixSocket::Status UnixSocket::write(wire::ByteView out, std::size_t& written) {
   ssize_t went = 0;
   do {
-    went = ::send(fd_, out.data, out.size, MSG_NOSIGNAL);
+    went = ::send(fd_.get(), out.data, out.size, MSG_NOSIGNAL);
   } while (went < 0 && errno == EINTR);
   written = static_cast<std::size_t>(std::max<ssize_t>(went, 0));
   return went >= 0 ? Status::done : status_of_errno();
@@ -87,7 +58,7 @@ UnixSocket::Status UnixSocket::write(wire::ByteView out, std::size_t& written) {
 
 short UnixSocket::wait(short events, Clock::time_point deadline) const {
   for (;;) {
-    pollfd entry{fd_, events, 0};
+    pollfd entry{fd_.get(), events, 0};
     // Without a time-out the kernel sets no timer, which on a virtual machine costs more than all else.
     const timespec left = left_until(deadline);
     const int ready = ::ppoll(&entry, 1, deadline == Clock::time_point::max() ? nullptr : &left, nullptr);

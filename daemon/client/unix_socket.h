@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/stream_buffer.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::client {
 
@@ -15,14 +16,9 @@ class UnixSocket {
   /// Nothing where it failed; `errno` says why.
   static std::optional<UnixSocket> connect(const std::string& path);
 
-  explicit UnixSocket(int fd) : fd_(fd) {}
-  UnixSocket(UnixSocket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  UnixSocket& operator=(UnixSocket&& other) noexcept;
-  ~UnixSocket();
+  explicit UnixSocket(process::UniqueFd fd) : fd_(std::move(fd)) {}
 
-  int fd() const { return fd_; }
-  /// User at the other end, as the kernel says (SO_PEERCRED).
-  std::optional<unsigned> peer_user() const;
+  int fd() const { return fd_.get(); }
 
   enum class Status { done, would_block, closed };
   /// Appends what has come, at most 64 kB, to `in`.
@@ -34,7 +30,7 @@ class UnixSocket {
   short wait(short events, std::chrono::steady_clock::time_point deadline) const;
 
  private:
-  int fd_;
+  process::UniqueFd fd_;
 };
 
 }  // namespace limb_ring::client

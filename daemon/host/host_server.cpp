@@ -1,25 +1,18 @@
 #include "host/host_server.h"
 
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <boost/asio/post.hpp>
 #include <system_error>
 #include <utility>
 
+#include "process/unix_socket.h"
+
 namespace limb_ring::host {
 
 namespace {
 
 constexpr std::chrono::milliseconds kAcceptPause{100};
-
-/// Who is at the other end, as the kernel says.
-ucred peer_of(int socket) {
-  ucred peer{0, static_cast<uid_t>(-1), static_cast<gid_t>(-1)};
-  socklen_t size = sizeof peer;
-  getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size);
-  return peer;
-}
 
 }  // namespace
 
@@ -63,7 +56,7 @@ void HostServer::listen_again() {
 }
 
 void HostServer::admit(process::UniqueFd socket) {
-  const ucred peer = peer_of(socket.get());
+  const ucred peer = process::peer_of(socket.get());
   ClientInfo info;
   info.id = ++last_id_;
   info.pid = peer.pid;

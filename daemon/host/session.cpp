@@ -8,9 +8,13 @@
 #include <cerrno>
 #include <utility>
 
+#include "process/unix_socket.h"
+
 namespace limb_ring::host {
 
 namespace {
+
+using process::would_block;
 
 /// Read in one turn of the event loop: enough for some full packets, little enough that a client
 /// that floods us does not hold up the ring.
@@ -29,8 +33,6 @@ std::string reason_of(SessionOwner::End how) {
   }
   return "";
 }
-
-bool not_now(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
 /// SO_RCVTIMEO in place of poll(): a poll() with a time-out makes the kernel set a timer, which on a virtual machine
 /// costs more than all else.
@@ -95,7 +97,7 @@ void Session::end_turn(std::chrono::nanoseconds until) {
 bool Session::await_message() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   const ssize_t got = ::recv(socket_.get(), in_.space(kReadSize), kReadSize, 0);
-  if (got < 0 && not_now(errno)) return false;
+  if (got < 0 && would_block(errno)) return false;
   take(got);
   return true;
 }
@@ -130,7 +132,7 @@ void Session::thaw() {
 
 // epoll reports the end of the connection only once. What came before may take several reads, hence call_again().
 void Session::take(ssize_t got) {
-  const bool ended = got == 0 || (got < 0 && !not_now(errno) && errno != EINTR);
+  const bool ended = got == 0 || (got < 0 && !would_block(errno));
   if (got > 0) in_.added(static_cast<std::size_t>(got));
   take_frames();
   if (!open()) return;
@@ -223,7 +225,7 @@ void Session::flush() {
   if (!open()) return;
   watch_.set_events(input_events());
   const int error = write_now();
-  if (error != 0 && !not_now(error)) return fail(SessionOwner::End::closed);
+  if (error != 0 && !would_block(error)) return fail(SessionOwner::End::closed);
   if (queued() > 0) return wait_writable();
   tell_observed_lost();
 }

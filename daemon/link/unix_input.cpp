@@ -62,7 +62,7 @@ void UnixInput::accept() {
 }
 
 void UnixInput::welcome(UnixSocket socket) {
-  if (!same_user(socket.native_handle())) {
+  if (!process::is_of_our_user(socket.native_handle())) {
     return report_.unknown_peer("a process of another user was turned away");
   }
   enlarge_buffers(socket.native_handle());

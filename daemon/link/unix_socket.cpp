@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "process/unix_socket.h"
+
 namespace limb_ring::link {
 namespace {
 
@@ -54,21 +56,10 @@ UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path) {
 
 process::UniqueFd connect_unix(const std::string& path) {
   if (!fits(path)) return {};
-  process::UniqueFd line(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!line.valid()) return {};
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::memcpy(address.sun_path, path.data(), path.size());
-  const auto* name = reinterpret_cast<const sockaddr*>(&address);
-  if (::connect(line.get(), name, sizeof address) != 0 || !same_user(line.get())) return {};
+  process::UniqueFd line = process::connect_unix(path);
+  if (!line.valid() || !process::is_of_our_user(line.get())) return {};
   enlarge_buffers(line.get());
   return line;
-}
-
-bool same_user(int socket) {
-  ucred peer{};
-  socklen_t size = sizeof peer;
-  return ::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.uid == ::geteuid();
 }
 
 void enlarge_buffers(int socket) {
@@ -127,7 +118,5 @@ ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size, std::vect
   }
   return got;
 }
-
-bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 
 }  // namespace limb_ring::link

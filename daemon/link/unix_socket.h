@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "process/unique_fd.h"
+#include "process/unix_socket.h"
 #include "wire/bytes.h"
 
 namespace limb_ring::link {
+
+using process::would_block;
 
 // With the event loop's own executor type: a type-erased executor costs time at every packet.
 using LoopExecutor = boost::asio::io_context::executor_type;
@@ -31,9 +34,6 @@ UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path);
 /// Connects without waiting. @return an invalid one if nobody of our user listens, or the queue is full
 process::UniqueFd connect_unix(const std::string& path);
 
-/// True where the process at the other end belongs to our user.
-bool same_user(int socket);
-
 void enlarge_buffers(int socket);
 /// The other end is closed; what it sent before may still wait.
 bool has_hung_up(int socket);
@@ -46,7 +46,5 @@ constexpr std::size_t kMostDescriptors = 2;
 ssize_t send_now(int socket, wire::ByteView bytes, const std::vector<int>& descriptors);
 /// @param descriptors those that came are added
 ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size, std::vector<process::UniqueFd>& descriptors);
-/// True where an errno says only: not now.
-bool would_block(int error);
 
 }  // namespace limb_ring::link

@@ -126,7 +126,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"config", {"wire", "process", "limb_ring"}},
     {"cli", {"config"}},
     {"payload", {"wire", "limb_ring"}},
-    {"client", {"wire", "capture", "limb_ring"}},
+    {"client", {"wire", "capture", "process", "limb_ring"}},
     {"event_loop", {"process"}},
     {"link", {"wire", "event_loop", "process"}},
     {"host", {"wire", "capture", "client", "event_loop", "process", "limb_ring"}},
