@@ -1,7 +1,5 @@
 #include "link/pending_connection.h"
 
-#include <sys/socket.h>
-
 #include <cerrno>
 
 namespace limb_ring::link {
@@ -51,10 +49,7 @@ void PendingConnection::close() {
   socket_.close(ignored);
 }
 
-bool PendingConnection::hung_up() {
-  std::uint8_t byte;
-  return ::recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
-}
+bool PendingConnection::hung_up() { return has_hung_up(socket_.native_handle()); }
 
 void PendingConnection::answer(const LinkHeader& header) {
   const auto bytes = encode(header);
