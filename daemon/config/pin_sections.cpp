@@ -72,7 +72,7 @@ void read_input_target(const Entry& entry, InputConfig& input) {
 
 Section<NodeConfig> make_pins() {
   Section<NodeConfig> section;
-  for (std::size_t factor = 0; factor < 8; ++factor)
+  for (std::size_t factor = 0; factor < kPins; ++factor)
     section.push_back({std::to_string(factor), default_pin(factor), kAllowedPins,
                        "What INT" + std::to_string(factor) + " from the ring does at this node.",
                        [factor](const Entry& entry, NodeConfig& node) { node.pins[factor] = read_pin(entry); }});
@@ -81,7 +81,7 @@ Section<NodeConfig> make_pins() {
 
 Section<NodeConfig> make_inputs() {
   Section<NodeConfig> section;
-  for (std::size_t input = 0; input < 8; ++input)
+  for (std::size_t input = 0; input < kPins; ++input)
     section.push_back({std::to_string(input), "wired to nothing", "a map, see below",
                        "Where interrupt input " + std::to_string(input) + " leads.",
                        [input](const Entry& entry, NodeConfig& node) { node.inputs[input] = read_input(entry); }});

@@ -6,8 +6,8 @@
 
 namespace limb_ring::config {
 
-std::array<PinConfig, 8> default_pins() {
-  std::array<PinConfig, 8> pins;
+Pins default_pins() {
+  Pins pins;
   pins[0].action = PinConfig::Action::reset;
   pins[1].action = PinConfig::Action::stop;
   pins[2].action = PinConfig::Action::sync;

@@ -20,8 +20,10 @@ struct PinConfig {
   std::vector<std::string> command;  ///< Action::exec: program and arguments
 };
 
+constexpr std::size_t kPins = 8;  ///< of a node, for INT0 to INT7; and as many interrupt inputs (paper)
+using Pins = std::array<PinConfig, kPins>;
 /// INT0 reset, INT1 stop, INT2 sync, the rest none.
-std::array<PinConfig, 8> default_pins();
+Pins default_pins();
 
 /// Where an interrupt input of the NC leads: pulling it sends INTP `factor` to `node`. (paper)
 struct InputConfig {
@@ -102,8 +104,8 @@ struct NodeConfig {
   CpuConfig cpu;
   std::vector<JointConfig> joints;
   std::vector<SensorConfig> sensors;
-  std::array<PinConfig, 8> pins = default_pins();
-  std::array<std::optional<InputConfig>, 8> inputs;
+  Pins pins = default_pins();
+  std::array<std::optional<InputConfig>, kPins> inputs;
   LinkConfig link;
 };
 

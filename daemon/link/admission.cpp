@@ -10,8 +10,6 @@ std::string why_unfit(const LinkHeader& connect, const LinkHeader& refuse) {
       return version_mismatch(connect.version);
     case Refusal::invalid_memory:
       return "it offers shared memory that cannot be used";
-    case Refusal::wrong_ring:
-      return "it belongs to another ring";
     case Refusal::needs_key:
       return "it has no key, and the lines here are keyed: give links.key in its file";
     case Refusal::no_key:

@@ -74,7 +74,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.break_grace = ring.timeouts.break_grace;
   s.fold_permission = ring.timeouts.fold_permission;
   s.fold_back = ring.folds_back();
-  for (unsigned factor = 0; factor < 8; ++factor) {
+  for (unsigned factor = 0; factor < config::kPins; ++factor) {
     s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;
     if (const auto& input = node.inputs[factor])
       s.inputs[factor] = core::InterruptInput{wire::NodeId{input->broadcast ? wire::kBroadcast : input->node},
