@@ -206,9 +206,12 @@ std::future<Result> Services::ask_to_resume(std::uint8_t node) {
 bool Services::resume(Resume::Request& request, Resume::Response& response) {
   return answered(port_, response, [&] {
     const auto deadline = std::chrono::steady_clock::now() + timeout_of(request.timeout, kServiceAnswer);
-    const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
+    const auto to = request.node.empty() ? kBroadcast : destination(request.node);
+    const auto ids = nodes_to_resume(to);
     if (ids.empty())
-      throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
+      throw std::invalid_argument(to == kBroadcast
+                                      ? "no node has joints, and no stop is latched"
+                                      : "node '" + request.node + "' has no joints, and no stop is latched there");
     std::vector<std::pair<ask::Node, std::future<Result>>> asked;
     for (const auto id : ids) asked.emplace_back(ask::Node{id, ring_.find(id)->name}, ask_to_resume(id));
     std::vector<std::string> problems;
