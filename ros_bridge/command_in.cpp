@@ -39,7 +39,7 @@ void CommandIn::on_command(const std::string& topic, const Event& event) {
   try {
     auto split = split_command(*message, joints_);
     if (!split.unknown.empty()) warn_unknown(topic, split.unknown);
-    const bool posted = port_.post([this, parts = std::move(split.parts), came = Throttle::Clock::now(),
+    const bool posted = port_.post([this, parts = std::move(split.parts), came = RingPort::Clock::now(),
                                     heard = Heard{topic, event.getPublisherName(), message->header.stamp}]() mutable {
       heard_(heard);
       for (auto& part : parts) {
@@ -54,7 +54,7 @@ void CommandIn::on_command(const std::string& topic, const Event& event) {
   }
 }
 
-void CommandIn::stamp(payload::JointCommand& command, Throttle::Clock::time_point came) const {
+void CommandIn::stamp(payload::JointCommand& command, RingPort::Clock::time_point came) const {
   command.stamp_ns = port_.stamp_of(came);
   command.valid_for_us = valid_for_us_;
 }
@@ -103,7 +103,7 @@ void CommandIn::on_result(std::uint8_t node, const Result& result) {
 }
 
 bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {
-  return port_.post([this, node, done = std::move(done), came = Throttle::Clock::now()] {
+  return port_.post([this, node, done = std::move(done), came = RingPort::Clock::now()] {
     send(node, ask::resume_command(port_.stamp_of(came)), [this, node, done](const Result& result) {
       on_result(node, result);
       done(result);

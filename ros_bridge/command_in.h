@@ -12,27 +12,10 @@
 #include "ros_bridge/conversions.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
+#include "ros_bridge/throttle.h"
 #include "ros_bridge/waiting_commands.h"
 
 namespace limb_ring::bridge {
-
-/// Lets one warning through per period, by the steady clock: roscpp's own throttled warnings
-/// stay silent under use_sim_time while /clock does.
-class Throttle {
- public:
-  using Clock = std::chrono::steady_clock;
-
-  explicit Throttle(Clock::duration period) : period_(period) {}
-  bool allow(Clock::time_point now = Clock::now()) {
-    if (now < next_) return false;
-    next_ = now + period_;
-    return true;
-  }
-
- private:
-  Clock::duration period_;
-  Clock::time_point next_{};
-};
 
 /// `joint_commands` from ROS, and the other topics of `bridge: {lockstep}`, spread over the nodes that own the joints:
 /// one packet per node, channel 2, priority 0, stamped with the wall clock (a virtual ring's, where it is one) and
@@ -75,7 +58,7 @@ class CommandIn {
   void subscribe(ros::NodeHandle& nodes, const std::string& topic);
   void on_command(const std::string& topic, const Event& event);
   /// @param came by the steady clock
-  void stamp(payload::JointCommand& command, Throttle::Clock::time_point came) const;
+  void stamp(payload::JointCommand& command, RingPort::Clock::time_point came) const;
   void warn_unknown(const std::string& topic, const std::vector<std::string>& names);
   void offer(const CommandSplit::Part& part);
   void send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);

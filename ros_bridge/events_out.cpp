@@ -8,12 +8,6 @@ constexpr const char* kOrder = R"({"kinds": ["state", "link", "pin", "cpu"]})";
 
 }  // namespace
 
-std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring) {
-  std::vector<const config::NodeConfig*> nodes;
-  for (const auto& node : ring.nodes) nodes.push_back(&node);
-  return nodes;
-}
-
 EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon,
                      Counters& counters, const RosClock& clock)
     : counters_(counters),

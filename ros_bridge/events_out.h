@@ -29,7 +29,4 @@ class EventsOut {
   RingListener listener_;  // last: its thread uses the others
 };
 
-/// All nodes of a ring, in ring order.
-std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring);
-
 }  // namespace limb_ring::bridge

@@ -20,6 +20,12 @@ constexpr int kMessagesOfANode = 256;  // then the other nodes have their turn
 
 }  // namespace
 
+std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring) {
+  std::vector<const config::NodeConfig*> nodes;
+  for (const auto& node : ring.nodes) nodes.push_back(&node);
+  return nodes;
+}
+
 RingListener::RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions daemon,
                            std::string order, OnMessage on_message, AsksAgain asks_again)
     : daemon_(std::move(daemon)),

@@ -14,6 +14,9 @@
 
 namespace limb_ring::bridge {
 
+/// All nodes of a ring, in ring order: who may be listened to.
+std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring);
+
 /// Observes daemons on this host, as any tool may, in a thread of its own until it is destroyed. A daemon
 /// that is gone, frozen, or not there yet, is tried ten times a second, one that accepts and says nothing less often;
 /// one on another host is never found.

@@ -8,7 +8,6 @@
 #include "client/fake_daemon.h"
 #include "ros/small_robot.h"
 #include "ros/stopped_holder.h"
-#include "ros_bridge/events_out.h"
 #include "support/own_folder.h"
 
 namespace limb_ring::bridge {
