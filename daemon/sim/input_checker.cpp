@@ -224,9 +224,7 @@ void InputChecker::comes_home(NodeId node, const PacketFields& packet, Time at_e
     const bool sure = !record_.ledger.was_damaged(node, false);
     n.control_home = at_end;
     n.hello_out = false;
-    const bool announces = is_last && sure;
-    if (announces || n.receiver.announced() == Tristate::no)
-      n.receiver.set_announced(announces ? Tristate::yes : Tristate::unknown);
+    n.receiver.announce(is_last && sure, at_end);
     if (is_last && n.control.hello) sure ? n.receiver.join() : n.receiver.set_joined(Tristate::unknown);
     if (is_last) n.control = {};
     return;

@@ -112,9 +112,12 @@ void ReceiverModel::doubt(const PacketFields& packet) {
 }
 
 // Nothing: it is none.
-std::optional<ReceiverModel::Answer> ReceiverModel::of_unaware_peers_retry(const PacketFields& packet) {
-  if (packet.code().attempt == 0 || announced_ == Tristate::yes) return std::nullopt;
-  if (announced_ == Tristate::no) return Answer::none;
+std::optional<ReceiverModel::Answer> ReceiverModel::of_unaware_peers_retry(const PacketFields& packet, Time at) {
+  // Where the ring folds back, the hello may have gone round in one of two parts alone.
+  const Duration tries = fold_back_ ? wire::kTries * horizon_ : Duration{0};
+  const auto known_to_all = [&](Time announced) { return announced != core::kNever && at - announced >= tries; };
+  if (packet.code().attempt == 0 || known_to_all(announced_)) return std::nullopt;
+  if (!known_to_all(perhaps_announced_)) return Answer::none;
   return doubt(packet), Answer::unknown;
 }
 
@@ -158,7 +161,7 @@ ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate r
   if (known && *known != Answer::unknown) return *known;
   Answer answer = Answer::unknown;
   if (!known) {
-    if (const auto unaware = of_unaware_peers_retry(packet)) return *unaware;
+    if (const auto unaware = of_unaware_peers_retry(packet, at)) return *unaware;
     const bool refuses = joined_ == Tristate::no || !cpu_present_ || has_buffer == Tristate::no;
     const bool takes = joined_ == Tristate::yes && has_buffer == Tristate::yes;
     answer = refuses ? Answer::refuses : takes ? Answer::takes : Answer::unknown;
@@ -179,7 +182,7 @@ ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Trist
   if (known && *known != Answer::unknown) return *known;
   Answer answer = Answer::unknown;
   if (!known) {
-    if (const auto unaware = of_unaware_peers_retry(packet)) return *unaware;
+    if (const auto unaware = of_unaware_peers_retry(packet, at)) return *unaware;
     answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
   }
   decide(e, packet, answer, at);
@@ -192,8 +195,14 @@ void ReceiverModel::says_hello(std::uint64_t boot) {
   hear_boot(id_, boot, [](Page& page) { page = {}; });
 }
 
+void ReceiverModel::announce(bool sure, Time at) {
+  perhaps_announced_ = std::min(perhaps_announced_, at);
+  if (sure) announced_ = std::min(announced_, at);
+}
+
 void ReceiverModel::start_over(bool forgets_peers) {
-  joined_ = announced_ = Tristate::no;
+  joined_ = Tristate::no;
+  announced_ = perhaps_announced_ = core::kNever;
   for (Page& page : pages_) {
     page.entries = {};
     if (forgets_peers) page.peer_known = Tristate::no;
@@ -203,7 +212,7 @@ void ReceiverModel::start_over(bool forgets_peers) {
 // If it did not start over, what it had decided still holds; nobody outside knows.
 void ReceiverModel::may_start_over() {
   joined_ = Tristate::no;
-  if (announced_ == Tristate::yes) announced_ = Tristate::unknown;
+  announced_ = core::kNever;
   for (Page& page : pages_) {
     for (Entry& e : page.entries)
       if (e.decision != Decision::none) e.any_sequence = true;

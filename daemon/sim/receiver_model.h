@@ -44,9 +44,8 @@ class ReceiverModel {
   void join() { joined_ = Tristate::yes; }
   void set_joined(Tristate joined) { joined_ = joined; }
   Tristate joined() const { return joined_; }
-  /// Its hello, or a beacon with its boot number, has come home since it started: all know of the start.
-  void set_announced(Tristate announced) { announced_ = announced; }
-  Tristate announced() const { return announced_; }
+  /// Its hello, or a beacon with its boot number, has come home since it started. @param sure or perhaps
+  void announce(bool sure, Time at);
   /// The node begins a new incarnation; with `forgets_peers` it starts all over, since it was bypassed.
   void start_over(bool forgets_peers);
   /// Perhaps it starts over: it was bypassed, or only its hello was lost and a line is down.
@@ -55,7 +54,8 @@ class ReceiverModel {
   bool cpu_present() const { return cpu_present_; }
   template <class Archive>
   void archive(Archive& a) {
-    a("pages", pages_)("joined", joined_)("announced", announced_)("cpu_present", cpu_present_);
+    a("pages", pages_)("joined", joined_)("announced", announced_)("perhaps_announced", perhaps_announced_)(
+        "cpu_present", cpu_present_);
   }
 
  private:
@@ -91,7 +91,7 @@ class ReceiverModel {
   Entry& entry(const wire::PacketFields& packet);
   bool addressed(const wire::PacketFields& packet) const;
   Tristate is_unknown_peers_retry(const wire::PacketFields& packet) const;
-  std::optional<Answer> of_unaware_peers_retry(const wire::PacketFields& packet);
+  std::optional<Answer> of_unaware_peers_retry(const wire::PacketFields& packet, Time at);
   bool hear(const wire::PacketFields& packet, Time at);
   template <class Forget>
   bool hear_boot(NodeId source, std::uint64_t boot, Forget forget);
@@ -107,7 +107,8 @@ class ReceiverModel {
   std::array<bool, 8> wired_;
   core::Duration horizon_;  ///< a number decided longer ago is new
   std::vector<Page> pages_;
-  Tristate joined_ = Tristate::no, announced_ = Tristate::no;
+  Tristate joined_ = Tristate::no;
+  Time announced_ = core::kNever, perhaps_announced_ = core::kNever;  ///< since when
   bool cpu_present_ = true;
 };
 

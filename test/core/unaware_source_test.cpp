@@ -122,5 +122,30 @@ TEST_F(UnawareSource, ARetryIsTakenOnceTheHelloHasComeHome) {
   EXPECT_THAT(solo.packets(), SizeIs(1));
 }
 
+/// Where the ring folds back, node 1 has started and its hello is home. Then it hears of node 0 for the first time:
+/// that may have been in the other part of a ring in two parts.
+struct UnawareSourceOfTheOtherPart : testing::Test {
+  SoloNode solo{Duration{0}, [](Settings& s) { s.fold_back = true; }};
+  void SetUp() override {
+    solo.join();
+    Bytes hello(wire::kHelloSize);
+    wire::encode(wire::Hello{50}, hello.data());
+    solo.receive(SliceKind::whole, Foreign{0, wire::kBroadcast}.with_pri(kControlPri).with(hello));
+  }
+};
+
+TEST_F(UnawareSourceOfTheOtherPart, ARetryOfItPullsNoPinWhileItMayBeOfAPacketTakenBefore) {
+  solo.run_for(4 * solo.node().settings().send_timeout() - Duration{1});
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 3));
+  EXPECT_EQ(solo.counters().pins_pulled, 0u);
+  EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 1u);
+}
+
+TEST_F(UnawareSourceOfTheOtherPart, ARetryOfItPullsAPinOnceTheTriesOfPacketsOfThenAreOver) {
+  solo.run_for(4 * solo.node().settings().send_timeout());
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 1));
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+}
+
 }  // namespace
 }  // namespace limb_ring::core

@@ -43,7 +43,7 @@ void Node::lines_changed(Time now) {
 
 // protocol.md section 4.8.
 void Node::start_over(Time now) {
-  announced_ = false;
+  announced_at_ = kNever;
   cancel_all(now);
   peers_.clear();
   ring_size_ = 0;
@@ -116,7 +116,7 @@ void Node::own_home(const Packet& packet, Time at, Time now) {
   const bool hello = !packet.interrupt() && send.hello();
   const bool beacon = !packet.interrupt() && send.beacon();
   if (state_ == NodeState::duplicate_id) set_state(NodeState::joining, now);
-  announced_ = announced_ || hello || beacon;
+  if (hello || beacon) announced_at_ = std::min(announced_at_, at);
   if (hello) {
     hello_out_ = false;
     hello_left_ = true;
@@ -145,7 +145,7 @@ void Node::control_home_unmatched(const Packet& packet, Time at, Time now) {
   if (!hello && !beacon) return;
   const std::uint64_t boot = hello ? hello->boot : beacon->boot;
   if (boot < first_boot_ || boot > boot_) return sign_of_duplicate(now);
-  announced_ = announced_ || boot == boot_;
+  if (boot == boot_) announced_at_ = std::min(announced_at_, at);
   if (state_ != NodeState::open_chain || boot != boot_) return;
   ring_size_ = static_cast<unsigned>(packet.hop()) + 1;
   for (NcLine* line : {&in_, &out_}) line->lost_since_home = line->was_up && !line->up;
@@ -156,7 +156,7 @@ void Node::control_home_unmatched(const Packet& packet, Time at, Time now) {
 void Node::sign_of_duplicate(Time now) {
   if (++signs_ < 3 || state_ == NodeState::starting || state_ == NodeState::duplicate_id) return;
   signs_ = 0;
-  announced_ = false;
+  announced_at_ = kNever;
   cancel_all(now);
   ++boot_;
   data_.numbers.clear();

@@ -209,7 +209,7 @@ class Node : private BehindFold {
   int answer_interrupt(const Packet& packet, Time at, Time now);
   Page* page_for(const Packet& packet, std::uint64_t boot_if_own);
   bool is_unheard_nodes_retry(const Packet& packet) const;
-  bool is_unaware_nodes_retry(const Packet& packet) const;
+  bool is_unaware_nodes_retry(const Packet& packet, Time at) const;
   Decided* known(Page& page, const Packet& packet, Time now);
   bool is_doubtful(const Decided& decided, Time now) const;
   unsigned free_buffers(int priority) const;
@@ -311,9 +311,9 @@ class Node : private BehindFold {
   std::uint64_t boot_, first_boot_;
   unsigned ring_size_ = 0;
   int signs_ = 0;
-  bool hello_out_ = false;  ///< it waits, or is outstanding
-  bool announced_ = false;  ///< the own hello, or a beacon of this boot number, was home
-  bool hello_left_ = true;  ///< in an open chain: nothing else goes before
+  bool hello_out_ = false;      ///< it waits, or is outstanding
+  Time announced_at_ = kNever;  ///< the own hello, or a beacon of this boot number, first came home
+  bool hello_left_ = true;      ///< in an open chain: nothing else goes before
   Time hello_left_at_ = Time{} - Duration{1};
   bool beacon_out_ = false;
   bool beacon_wanted_ = false;

@@ -67,7 +67,11 @@ bool Node::is_unheard_nodes_retry(const Packet& packet) const {
 }
 
 /// protocol.md section 4.10: its source may not know of the own start.
-bool Node::is_unaware_nodes_retry(const Packet& packet) const { return !announced_ && packet.attempt() > 0; }
+bool Node::is_unaware_nodes_retry(const Packet& packet, Time at) const {
+  if (packet.attempt() == 0) return false;
+  if (announced_at_ == kNever) return true;
+  return settings_.fold_back && at - announced_at_ < 4 * try_timeout();
+}
 
 /// What was decided of this packet before; null: it is new.
 Decided* Node::known(Page& page, const Packet& packet, Time now) {
@@ -131,7 +135,7 @@ int Node::answer_data(const Packet& packet, Time at, Time now) {
   // section 2.4)
   const bool left = hello_left_ && (settings_.byte_time_out > Duration{0} || hello_left_at_ < now);
   const bool joining = !closed() && !(state_ == NodeState::open_chain && left);
-  if (is_unaware_nodes_retry(packet)) return kNoAnswer;
+  if (is_unaware_nodes_retry(packet, at)) return kNoAnswer;
   const bool taken = !joining && cpu_present_ && free > 0;
   page->decided[{false, packet.broadcast()}] = {packet.sequence(), taken, now, false};
   if (!taken) return 0;
@@ -158,7 +162,7 @@ int Node::answer_interrupt(const Packet& packet, Time at, Time now) {
     if (is_doubtful(*decided, now)) return kNoAnswer;
     return decided->taken ? 1 : 0;
   }
-  if (is_unaware_nodes_retry(packet)) return kNoAnswer;
+  if (is_unaware_nodes_retry(packet, at)) return kNoAnswer;
   const bool wired = settings_.wired[static_cast<std::size_t>(packet.factor())];
   page->decided[{true, packet.broadcast()}] = {packet.sequence(), wired, now, false};
   if (!wired) return 0;

@@ -145,7 +145,8 @@ void Membership::begin_incarnation(Time now) {
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
   memory_.forget_verdicts();
-  joined_ = announced_ = hello_out_ = renumbering_ = merged_ = false;
+  joined_ = hello_out_ = renumbering_ = merged_ = false;
+  known_to_all_from_ = kNever;
   beacon_.out = false;
   beacon_.due = break_due_ = drained_at_ = kNever;
   break_.forget();
@@ -241,7 +242,8 @@ void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time n
 
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
-    announced_ = true;
+    const Duration tries = settings_.fold_back ? wire::kTries * settings_.send_timeout() : Duration{0};
+    known_to_all_from_ = std::min(known_to_all_from_, now + tries);
     if (state_ == NodeState::open_chain) {
       forget_lost_lines();
       ring_size_ = hop + 1u;

@@ -80,10 +80,11 @@ class Membership {
     return counted(counters_.retries_of_unheard_nodes, true);
   }
   /// True for a retry while other nodes may not know of this node's start: until its hello, or a beacon with the
-  /// present boot number, is home. This node may have taken the first try before that start. (ours, protocol.md section
-  /// 4.10)
-  bool is_unaware_nodes_retry(const wire::PacketFields& packet) {
-    if (packet.code().attempt == 0 || announced_) return false;
+  /// present boot number, is home, and where the ring folds back, until the tries of a packet are over then: that may
+  /// have gone round in one of two parts alone. This node may have taken the first try before that start. (ours,
+  /// protocol.md section 4.10)
+  bool is_unaware_nodes_retry(const wire::PacketFields& packet, Time at) {
+    if (packet.code().attempt == 0 || known_to_all_from_ <= at) return false;
     return counted(counters_.retries_of_unaware_nodes, true);
   }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
@@ -117,8 +118,8 @@ class Membership {
   template <class Archive>
   void archive(Archive& a) {
     a("state", state_)("boot", boot_)("ring_size", ring_size_)("peers", peers_)("cpu", cpu_);
-    a("input", input_)("output", output_)("joined", joined_)("announced", announced_)("hello_out", hello_out_)(
-        "renumbering", renumbering_);
+    a("input", input_)("output", output_)("joined", joined_)("known_to_all_from", known_to_all_from_)(
+        "hello_out", hello_out_)("renumbering", renumbering_);
     a("merged", merged_)("duplicate_signs", duplicate_signs_)("beacon.out", beacon_.out)("beacon.wanted",
                                                                                          beacon_.wanted);
     a("beacon.due", beacon_.due)("break", break_)("break_due", break_due_)("drained_at", drained_at_);
@@ -224,7 +225,7 @@ class Membership {
   LineEnd input_, output_;
 
   bool joined_ = false;
-  bool announced_ = false;
+  Time known_to_all_from_ = kNever;  ///< its start
   bool hello_out_ = false;
   bool renumbering_ = false;      ///< the hello that is out, or comes next, begins new numbers
   bool merged_ = false;           ///< with another part of the ring: numbers start again at 0

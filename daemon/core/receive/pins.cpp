@@ -17,7 +17,7 @@ std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
   Verdict verdict = memory_.verdict(packet.source(), packet.code(), broadcast, at);
   if (verdict == Verdict::doubtful) return counted(counters_.doubtful_retries, packet.fbc());
   if (verdict == Verdict::none) {
-    if (membership_.is_unaware_nodes_retry(packet)) return packet.fbc();
+    if (membership_.is_unaware_nodes_retry(packet, at)) return packet.fbc();
     verdict = pull(packet, at) ? Verdict::taken : Verdict::refused;
     memory_.remember(packet.source(), packet.code(), broadcast, verdict, at);
   } else {

@@ -53,7 +53,7 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
     case Verdict::none:
       break;
   }
-  if (membership_.is_unaware_nodes_retry(packet)) return packet.fbc();
+  if (membership_.is_unaware_nodes_retry(packet, at)) return packet.fbc();
   const bool taken = accepts(packet);
   memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused, at);
   if (!taken) return 0;

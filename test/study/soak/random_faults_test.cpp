@@ -121,6 +121,12 @@ TEST(RandomFaults, BreakNoPromiseWhereANodeHearsItsFirstLineForNoTime) {
   expect_no_breach({3690024363}, RandomFaults::FoldBack::all);
 }
 
+// A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
+// of the other repeated an INTP whose pin that node had pulled before.
+TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
+  expect_no_breach({3790050396}, RandomFaults::FoldBack::all);
+}
+
 // Two INTPs for one pin came in one instant to a node that had just started over: the first may be left out, and the
 // one pull was taken for it.
 TEST(RandomFaults, BreakNoPromiseWhereOneOfTwoPinsDueMayBeLeftOut) { expect_no_breach({3770003973}); }
