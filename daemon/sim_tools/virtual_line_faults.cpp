@@ -1,6 +1,7 @@
 #include "sim_tools/virtual_line_faults.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace limb_ring::sim {
 
@@ -100,13 +101,23 @@ void VirtualLineFaults::incident(NodeId id, Incident incident, Time, Line line) 
 void VirtualLineFaults::poll(NodeId id, Line line) {
   Wire& wire = wire_of(id, line);
   const bool cut = wire.faults.cut(ring_.now());
-  if (cut && !wire.cut) ring_.cut(id, line);
-  if (!cut && wire.cut) ring_.heal(id, line);
-  wire.cut = cut;
+  const bool was_cut = std::exchange(wire.cut, cut);
+  if (cut && !was_cut) cut_line(id, line);
+  if (!cut && was_cut) ring_.heal(id, line);
   wire.faults.take(ring_.now(), late_);
   if (!late_.empty()) ring_.put_late(id, late_, line);
   late_.clear();
   poll_later(id, line);
+}
+
+// Where both wires of a cable are cut, no word gets across: each end sees for itself that nobody is there, as a daemon
+// sees it by its connection.
+void VirtualLineFaults::cut_line(NodeId id, Line line) {
+  ring_.cut(id, line);
+  if (!ring_.settings(id).fold_back) return;
+  const core::RingOrder& order = ring_.order();
+  const NodeId first = line == Line::first ? id : core::node_after(order, id, order.size() - 1);
+  if (cut(first, Line::first) && cut(core::node_after(order, first, 1), Line::second)) ring_.cut_cable(first);
 }
 
 void VirtualLineFaults::poll_later(NodeId id, Line line) {

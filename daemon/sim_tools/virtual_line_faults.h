@@ -59,6 +59,7 @@ class VirtualLineFaults : public Observer {
   }
   void poll(wire::NodeId id, core::Line line);
   void poll_later(wire::NodeId id, core::Line line);
+  void cut_line(wire::NodeId id, core::Line line);
 
   VirtualRing& ring_;
   std::array<std::deque<Wire>, 2> lines_;  ///< out of each node, by Line; no second ones without fold-back
