@@ -132,8 +132,8 @@ Tristate InputChecker::is_received(NodeId node, wire::ByteView bytes, bool inter
   return interrupt || room ? Tristate::yes : Tristate::unknown;
 }
 
-Sent* InputChecker::on_line(const PacketFields& packet) {
-  return record_.ledger.on_line(packet.source(), packet.code(), packet.destination(), crc_at_source(packet));
+Sent* InputChecker::on_line(NodeId node, const PacketFields& packet) {
+  return record_.ledger.on_line(packet.source(), packet.code(), packet.destination(), crc_at_source(packet), node);
 }
 
 Tristate InputChecker::has_buffer(NodeId node, const PacketFields& packet) {
@@ -154,7 +154,7 @@ void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time no
   ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
   if (good && wire::is_control(packet)) n.news_at = at_end;
   if (good && for_it) {
-    Sent* sent = wire::is_control(packet) ? nullptr : on_line(packet);
+    Sent* sent = wire::is_control(packet) ? nullptr : on_line(node, packet);
     const std::size_t least = n.buffers.least(wire::priority_of(packet.last()));
     const bool sure = least == n.buffers.most(wire::priority_of(packet.last()));
     const std::size_t buffers = n.settings.receive_buffers;
@@ -198,7 +198,7 @@ void InputChecker::interrupt_arrives(NodeId node, const PacketFields& packet, Ti
   const bool for_it = destination == node || destination == wire::kBroadcast;
   const bool good = wire::trailer_valid(packet.bytes) && packet.crc_good();
   ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
-  if (good && for_it) fbc = due(offer_interrupt(node, packet, on_line(packet), received, at_end), packet, 1);
+  if (good && for_it) fbc = due(offer_interrupt(node, packet, on_line(node, packet), received, at_end), packet, 1);
   if (n.settings.fold_back || record_.ring.has_output(node))
     n.forwarding.came(header_of(packet), destination, fbc, wire::kInterruptPacketSize, now);
 }

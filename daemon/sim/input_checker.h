@@ -50,7 +50,7 @@ class InputChecker {
                                         Time at_end);
   Tristate has_buffer(NodeId node, const wire::PacketFields& packet);
   void comes_home(NodeId node, const wire::PacketFields& packet, Time at_end);
-  Sent* on_line(const wire::PacketFields& packet);
+  Sent* on_line(NodeId node, const wire::PacketFields& packet);
   void check_insertion(NodeId node, Time now);
 
   RingRecord& record_;

@@ -19,6 +19,10 @@ bool Sent::taken() const {
   return std::any_of(decisions.begin(), decisions.end(), [](const Decision& d) { return d.taken; });
 }
 
+bool Sent::decided_by(NodeId node) const {
+  return std::any_of(decisions.begin(), decisions.end(), [node](const Decision& d) { return d.node == node; });
+}
+
 bool Sent::is(const core::ReceivedPacket& packet) const {
   return packet.source == source && packet.destination == destination && packet.priority == queue &&
          packet.channel == channel && packet.size == size && wire::crc32(packet.bytes()) == checksum;
@@ -196,13 +200,25 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet
   return nullptr;
 }
 
-Sent* Ledger::on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc) {
+// In an open chain more packets can be under way than there are numbers, and some may be alike to the last byte. The
+// newest one that the node has not decided on yet stands for all of them.
+Sent* Ledger::on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc, NodeId node) {
   if (source >= sources_.size()) return nullptr;
   const Slot& slot = on_line_slot(source, code, destination);
-  if (slot.last.crcs[code.attempt] == crc) return find(source, slot.last.token);
-  const auto is_it = [&](const OnLine& former) { return former.crcs[code.attempt] == crc; };
-  const auto found = std::find_if(slot.former.rbegin(), slot.former.rend(), is_it);
-  return found == slot.former.rend() ? nullptr : find(source, found->token);
+  Sent *newest = nullptr, *undecided = nullptr;
+  const auto look_at = [&](const OnLine& packet) {
+    Sent* sent = packet.crcs[code.attempt] == crc ? find(source, packet.token) : nullptr;
+    if (sent == nullptr) return;
+    if (newest == nullptr) newest = sent;
+    if (sent->decided_by(node)) return;
+    if (undecided == nullptr)
+      undecided = sent;
+    else
+      undecided->has_twin = sent->has_twin = true;
+  };
+  look_at(slot.last);
+  std::for_each(slot.former.rbegin(), slot.former.rend(), look_at);
+  return undecided ? undecided : newest;
 }
 
 void Ledger::returned_damaged(NodeId source, bool interrupt) {
@@ -259,6 +275,7 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node) {
 }
 
 void Ledger::check_order(const Sent& sent, NodeId node) {
+  if (sent.has_twin) return;
   std::uint32_t& newest = newest_[(std::size_t{node} * sources_.size() + sent.source) * 5 + sent.queue];
   if (sent.token < newest)
     complain_(Promise::in_order,

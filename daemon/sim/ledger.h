@@ -60,9 +60,11 @@ struct Sent {
   bool interrupt() const { return queue == 4; }
   /// As a new packet, not as a retry.
   bool may_leave(Time now) const { return now < cancelled_at && (!left || refused_at < now); }
+  bool has_twin = false;      ///< another packet alike was under way with it: which came first cannot be told
   bool may_be_taken = false;  ///< somebody may have taken it; that cannot be told from outside
 
   bool taken() const;
+  bool decided_by(NodeId node) const;
   /// `packet`, which a CPU has got, is this send.
   bool is(const core::ReceivedPacket& packet) const;
   std::string name() const;
@@ -75,7 +77,8 @@ struct Sent {
     a("attempts", attempts)("may_have_failed", may_have_failed)("last_try", last_try)("home_at", home_at);
     a("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
     a("first_refused", first_refused)("refused_at", refused_at)("ended", ended)("ended_at", ended_at)("end", end);
-    a("in_doubt", in_doubt)("unread", unread)("decisions", decisions)("may_be_taken", may_be_taken);
+    a("in_doubt", in_doubt)("unread", unread)("decisions", decisions)("has_twin", has_twin)("may_be_taken",
+                                                                                            may_be_taken);
   }
 };
 
@@ -129,8 +132,8 @@ class Ledger {
   /// Packets of that node are under way that were not asked for through the ring.
   bool others_send(NodeId source) const { return sources_[source].others_send; }
   /// The send of a packet that is somewhere on the ring; null if it is not known: of another owner, of
-  /// before a restart, or no packet of that source at all.
-  Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
+  /// before a restart, or no packet of that source at all. @param node at which it is
+  Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc, NodeId node);
   /// It has come home and matched; its source knows at `at`. @param fbc below 0: nobody can tell
   void come_home(Sent* sent, int fbc, Time at);
   /// null where it is not known, or not needed any more.
