@@ -64,8 +64,10 @@ void CpuSocket::hand_over() {
       host_.give(
           client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
   }
-  if (read_throttle_.next() != core::kNever && driver_.controller().received_waiting() != 0)
-    next_read_->expires_at(driver_.steady(read_throttle_.next()));
+  // Where that time is over already, the CPU has asked for nothing more: it is given more when it does.
+  const core::Time next = read_throttle_.next();
+  if (next != core::kNever && next > driver_.now() && driver_.controller().received_waiting() != 0)
+    next_read_->expires_at(driver_.steady(next));
 }
 
 CpuActionResult CpuSocket::reset(const std::string& reason) {

@@ -133,6 +133,22 @@ class ScenarioVirtual(ScenarioTest):
     within: 1ms
 ''', self.nodes()))
 
+    def test_a_hung_cpu_that_is_made_slow_lets_time_go_on(self):
+        file = self.write('story.yaml', """scenario: a hung CPU is slow
+nodes: 2
+steps:
+  - do: {send: {name: s, from: all, to: all, size: 200, every: 7ms, count: 100}}
+  - at: 21ms
+    do: {hang: node1}
+  - at: 177ms
+    do: {slow: node1 every=20ms}
+  - at: 677ms
+    do: {resume: all}
+  - when: {node: all, is: up, ring_size: 2}
+    within: 1s
+""")
+        self.play(file, '--scenario-cpus')
+
     def test_the_supervisor_acts_in_all_three_ways(self):
         file = os.path.join(SCENARIOS, '40-supervisor-resets-a-hung-knee.yaml')
         for way in ('--sim', '--virtual', '--live'):
