@@ -1,6 +1,7 @@
 #include "recorder/replayed_ring.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -12,7 +13,11 @@ namespace {
 
 using std::chrono::nanoseconds;
 
+// Only a regular file: reading a pipe or a device might never end.
 std::vector<std::uint8_t> bytes_of_file(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw std::runtime_error("is not a file; allowed: a regular file");
   std::ifstream file(path, std::ios::binary);
   std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   if (!file) throw std::runtime_error("cannot be read");
@@ -39,6 +44,10 @@ ReplayedRing::ReplayedRing(const std::string& folder) {
     } catch (const std::exception& problem) {
       throw std::runtime_error(path + ": " + problem.what());
     }
+    const std::string &ring = lives_.back()->title().ring, &first = lives_.front()->title().ring;
+    if (ring != first)
+      throw std::runtime_error(path + ": is of ring " + ring + ", and " + lives_.front()->file() + " is of ring " +
+                               first + "; allowed: recordings of one ring");
   }
   if (lives_.empty()) throw std::runtime_error(folder + ": no recordings are there; 'ringctl record save' makes them");
   const auto first = std::min_element(lives_.begin(), lives_.end(),

@@ -43,13 +43,13 @@ class SavedFile : public testing::Test {
   SavedFile() { fs::create_directory(folder_ / "saved"); }
 
   /// A ring of four whose nodes record into the folder. It lasts until the next one.
-  sim::VirtualRing& recorded_ring() {
+  sim::VirtualRing& recorded_ring(const std::string& name = "four") {
     files_.clear();
     ring_ = std::make_unique<sim::VirtualRing>(sim::VirtualRingOptions());
     sim::VirtualRing& ring = *ring_;
     for (const NodeId id : ring.order()) {
       Title title;
-      title.ring = "four";
+      title.ring = name;
       title.node = "node" + std::to_string(id);
       title.settings = ring.settings(id);
       files_.push_back(std::make_unique<RecorderFile>(recording_of(folder_, id), FlightRecorder::kLeast,
@@ -218,6 +218,20 @@ TEST_F(SavedFile, saysInACaptureOfWhichPacketsTheDataIsNotThere) {
   const std::string of_others = captured();
   EXPECT_THAT(of_others, HasSubstr("that was not recorded"));
   EXPECT_THAT(of_others, testing::Not(HasSubstr(data)));
+}
+
+TEST_F(SavedFile, ofAnotherRingIsRefusedBesideTheseOfOne) {
+  recorded_ring("four");
+  save_all();
+  for (const std::string& file : recordings_in(folder_)) fs::remove(file);
+  recorded_ring("other");
+  save_file(recording_of(folder_, 1), saved("7.record"));
+  EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("7.record: is of ring other, and "));
+}
+
+TEST_F(SavedFile, isARegularFile) {
+  fs::create_symlink("/dev/zero", saved("1.record"));
+  EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("1.record: is not a file"));
 }
 
 TEST_F(SavedFile, ofOtherThingsIsNone) {
