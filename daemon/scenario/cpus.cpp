@@ -30,7 +30,7 @@ void Cpus::read(NodeId id, bool reads) {
 }
 
 void Cpus::hang(NodeId id) {
-  cpus_[id].running = false;
+  cpus_[id].running = cpus_[id].boots_later = false;
   read(id, false);
   cpus_[id].spoke_at = ring_.now();
   const core::Duration silent_after = config::CpuConfig::kSilentPeriods * kAlivePeriod;
@@ -39,7 +39,14 @@ void Cpus::hang(NodeId id) {
   });
 }
 
+// One that boots goes on booting; one that hung meanwhile has booted now.
 void Cpus::resume(NodeId id) {
+  if (cpus_[id].boots_later) return;
+  if (!cpus_[id].booted) return boot(id);
+  run(id);
+}
+
+void Cpus::run(NodeId id) {
   cpus_[id].running = true;
   ++cpus_[id].epoch;
   ++cpus_[id].generation;
@@ -68,7 +75,8 @@ void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
 void Cpus::end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId)) {
   Cpu& cpu = cpus_[id];
   ++cpu.generation;
-  cpu.running = false;
+  cpu.running = cpu.booted = false;
+  cpu.boots_later = true;
   read(id, true);
   ring_.reset_cpu(id);
   ring_.set_cpu_present(id, false);
@@ -85,8 +93,10 @@ void Cpus::crash(NodeId id) { end(id, wire::CpuState::failed, kBackOff, &Cpus::r
 // As in the daemon, a boot counts from the CPU's first message.
 void Cpus::boot(NodeId id) {
   ++cpus_[id].boots;
+  cpus_[id].booted = true;
+  cpus_[id].boots_later = false;
   ring_.set_cpu_present(id, true);
-  resume(id);
+  run(id);
 }
 
 void Cpus::started(NodeId id) {

@@ -50,6 +50,8 @@ class Cpus {
     wire::CpuState state = wire::CpuState::running;
     core::Time spoke_at{};  ///< last; of one that runs, when that began
     bool running = true;
+    bool booted = true;
+    bool boots_later = false;  ///< it has not booted, and nothing keeps it from that
     bool slow = false;
     std::uint64_t epoch = 0;       ///< counts boots: the end of an earlier one does not count
     std::uint64_t generation = 0;  ///< a new one with each start and each cure
@@ -57,6 +59,7 @@ class Cpus {
   };
   void tell(NodeId id, wire::CpuState state);
   void boot(NodeId id);
+  void run(NodeId id);
   void read(NodeId id, bool reads);
   void read_one_and_wait(NodeId id, core::Duration period);
 

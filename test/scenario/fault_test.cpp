@@ -130,5 +130,15 @@ TEST(Faults, NotReadingFillsTheBuffers) {
       "");
 }
 
+TEST(Faults, ACpuThatIsResumedWhileItBootsTakesPacketsOnceItHasBooted) {
+  EXPECT_EQ(unmet_of(after_joining("{reset: node2}",
+                                   "  - {after: 5ms, do: {resume: node2}}\n"
+                                   "  - {when: {cpu: node2, is: running, boots: 2}, within: 1s}\n" +
+                                       kSend +
+                                       "  - {when: {results: x, are: delivered, at_least: 1}, "
+                                       "within: 1s}\n")),
+            "");
+}
+
 }  // namespace
 }  // namespace limb_ring::scenario
