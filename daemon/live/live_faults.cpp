@@ -129,10 +129,10 @@ NodeNote LiveFaults::note(wire::NodeId node, const std::string& words) const {
 }
 
 // The note is written before, so that 'ringctl up --respawn' finds a kill however soon it looks, and nothing lasts that
-// nobody can list.
+// nobody can list. It is written again after, because clearing all faults meanwhile removes one that does not hold yet.
 NodeNote LiveFaults::begin_noted(Name what, wire::NodeId node, const std::string& words) const {
   const auto former = note_of(daemons_.folder(), node);
-  const NodeNote begun = note(node, words);
+  note(node, words);
   try {
     what == Name::kill ? daemons_.kill(node) : daemons_.freeze(node);
   } catch (const std::exception&) {
@@ -140,7 +140,7 @@ NodeNote LiveFaults::begin_noted(Name what, wire::NodeId node, const std::string
     if (former) note(node, former->words);
     throw;
   }
-  return begun;
+  return note(node, words);
 }
 
 void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
