@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "ros_bridge/json_number.h"
 #include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
@@ -24,11 +25,6 @@ bool begins(const std::string& text, const std::string& with) { return text.comp
 std::string text_of(const json& said, const char* member) {
   const auto found = said.find(member);
   return found != said.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
-std::int64_t number_of(const json& said, const char* member, std::int64_t otherwise) {
-  const auto found = said.find(member);
-  return found != said.end() && found->is_number_integer() ? found->get<std::int64_t>() : otherwise;
 }
 
 RingEvent event(std::uint8_t kind, const json& said) {

@@ -7,6 +7,7 @@
 
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "ros_bridge/json_number.h"
 #include "ros_bridge/status_conversion.h"
 #include "wire/control_message.h"
 
@@ -34,12 +35,6 @@ std::string wrong_in(const json& row) {
     if (!heard.is_object() || !heard.value("id", json()).is_number_integer())
       return "in 'heard' is what has no whole number 'id'";
   return "";
-}
-
-/// 0 where it is no number.
-std::uint64_t number_in(const json& object, const char* member) {
-  const json value = object.value(member, json());
-  return value.is_number_integer() ? value.get<std::uint64_t>() : 0;
 }
 
 json essence(const json& object, std::initializer_list<const char*> members) {
@@ -106,8 +101,8 @@ std::string RingWatch::digest() {
 void RingWatch::notice_boots(const json& own) {
   for (const json& heard : heard_in(own)) {
     const auto id = heard["id"].get<std::uint8_t>();
-    if (boots_.take(id, number_in(heard, "boot"), static_cast<std::uint32_t>(number_in(heard, "cpu_boots"))))
-      restarted_.push_back(id);
+    const auto boot = static_cast<std::uint64_t>(number_of(heard, "boot", 0));
+    if (boots_.take(id, boot, static_cast<std::uint32_t>(number_of(heard, "cpu_boots", 0)))) restarted_.push_back(id);
   }
 }
 

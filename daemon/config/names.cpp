@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "config/characters.h"
-#include "limb_ring/ring_directory.h"
 
 namespace limb_ring::config {
 namespace {
@@ -32,8 +31,6 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
-
-bool is_ring_name(const std::string& name) { return limb_ring::is_ring_name(name); }
 
 bool is_node_name(const std::string& name) { return consists_of(name, "_", 32) && is_letter(name[0]) && name != "all"; }
 

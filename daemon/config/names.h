@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "limb_ring/ring_directory.h"
+
 namespace limb_ring::config {
 
 /// What the names in a configuration may look like (ours), each with its rule in words.
@@ -14,7 +16,7 @@ constexpr const char* kPartNameRule = "a letter, then letters, digits, '_', '-' 
 constexpr const char* kTopicNameRule =
     "a ROS topic name, not a private one: a letter or '/', then letters, digits, '_' and '/', 200 at most";
 
-bool is_ring_name(const std::string& name);
+using limb_ring::is_ring_name;
 bool is_node_name(const std::string& name);
 /// A machine that runs nodes.
 bool is_host_name(const std::string& name);

@@ -8,8 +8,7 @@
 namespace limb_ring::process {
 
 /// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 't' stopped by a debugger, 'Z' ended but not
-/// waited for ...
-/// (proc(5)); 0 where there is none.
+/// waited for ... (proc(5)); 0 where there is none.
 char process_state(pid_t pid);
 /// The same, out of an open /proc/PID/stat; 0 where the process has gone since that was opened.
 char state_in(std::istream& stat);

@@ -30,21 +30,6 @@ bool usable(const core::Settings& settings) {
          fits(settings.unconfirmed_pace);
 }
 
-Title read_title(wire::ByteView bytes) {
-  constexpr std::size_t kForm = kMagic.size() - 1;  // the last letter is the form
-  if (bytes.size < kTitleSize || std::memcmp(bytes.data, kMagic.data(), kForm) != 0)
-    throw std::runtime_error("this is no recording of a node");
-  if (bytes[kForm] != static_cast<std::uint8_t>(kMagic[kForm]))
-    throw std::runtime_error("it was recorded by another version of limb_ring, in a form that this one does not read");
-  Title title;
-  core::StateReader reader(bytes.first(kTitleSize).from(kMagic.size()));
-  title.archive(reader);
-  const bool aligned = title.half >= sizeof(HalfHead) && title.half % alignof(HalfHead) == 0;
-  if (reader.failed() || !aligned || !usable(title.settings))
-    throw std::runtime_error("the recording's title is damaged");
-  return title;
-}
-
 /// Copies the half as it was at one instant. If the recorder starts it afresh during the copy, the copy is repeated.
 void save_half(wire::ByteView half, std::vector<std::uint8_t>& saved) {
   const auto& head = *reinterpret_cast<const HalfHead*>(half.data);
@@ -88,6 +73,21 @@ wire::ByteView checked(wire::ByteView saved) {
 }
 
 }  // namespace
+
+Title read_title(wire::ByteView bytes) {
+  constexpr std::size_t kForm = kMagic.size() - 1;  // the last letter is the form
+  if (bytes.size < kTitleSize || std::memcmp(bytes.data, kMagic.data(), kForm) != 0)
+    throw std::runtime_error("this is no recording of a node");
+  if (bytes[kForm] != static_cast<std::uint8_t>(kMagic[kForm]))
+    throw std::runtime_error("it was recorded by another version of limb_ring, in a form that this one does not read");
+  Title title;
+  core::StateReader reader(bytes.first(kTitleSize).from(kMagic.size()));
+  title.archive(reader);
+  const bool aligned = title.half >= sizeof(HalfHead) && title.half % alignof(HalfHead) == 0;
+  if (reader.failed() || !aligned || !usable(title.settings))
+    throw std::runtime_error("the recording's title is damaged");
+  return title;
+}
 
 std::vector<std::uint8_t> save(wire::ByteView memory) {
   const Title title = read_title(memory);

@@ -17,6 +17,10 @@ struct Recording {
   std::vector<Half> halves;  ///< one or two that follow each other, the older one first
 };
 
+/// The title of a recorder's memory, or of what save() has returned: their first kTitleSize bytes are enough.
+/// @throw std::runtime_error where it is none, or was written by another version
+Title read_title(wire::ByteView bytes);
+
 /// What is to be kept of a recorder's memory, also while it goes on writing: title, used parts of the halves, and
 /// behind them a CRC, so that a changed byte is found. (ours)
 /// @throw std::runtime_error where it is no such memory, or is written faster than it can be read

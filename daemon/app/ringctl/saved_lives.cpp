@@ -4,7 +4,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <vector>
 
 #include "live/lock_files.h"
 #include "recorder/recorder_file.h"
@@ -24,9 +24,10 @@ std::string date_of(std::int64_t ns) {
 
 /// One that cannot be read says so when it is replayed.
 std::string ended_life(const std::string& ring_folder, const std::string& file) try {
-  std::ifstream in(file, std::ios::binary);
-  const std::vector<std::uint8_t> saved(std::istreambuf_iterator<char>(in), {});
-  const recorder::Title title = recorder::read_saved({saved.data(), saved.size()}).title;
+  std::vector<std::uint8_t> bytes(recorder::kTitleSize);
+  std::ifstream(file, std::ios::binary)
+      .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const recorder::Title title = recorder::read_title({bytes.data(), bytes.size()});
   if (!recorder::is_of_former_life(file) && live::holder_of(ring_folder, title.settings.id).held) return "";
   return "  " + std::filesystem::path(file).filename().string() + ": " + title.node + ", begun " + date_of(title.date) +
          '\n';
