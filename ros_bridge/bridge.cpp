@@ -58,7 +58,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
   status_.on_status([this](const RingStatus& status) { diagnostics_.take(status); });
   port_.start();
   status_.start();
-  // Called by the thread that serves the topics, because the sign of life is about this thread.
+  // Called by the thread that serves ROS, because the sign of life is about this thread.
   alive_ = nodes_.createWallTimer(kAlive, [this](const ros::WallTimerEvent&) { port_.alive(); });
 }
 

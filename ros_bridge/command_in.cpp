@@ -29,8 +29,11 @@ CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, Rin
 void CommandIn::subscribe(ros::NodeHandle& nodes, const std::string& topic) {
   if (subscribers_.count(topic) != 0) return;
   const boost::function<void(const Event&)> call = [this, topic](const Event& event) { on_command(topic, event); };
-  subscribers_[topic] = nodes.subscribe<sensor_msgs::JointState>(topic, 10, call, ros::VoidConstPtr(),
-                                                                 ros::TransportHints().tcpNoDelay());
+  ros::SubscribeOptions options;
+  options.initByFullCallbackType<const Event&>(topic, 1, call);
+  options.callback_queue = &at_once_;
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  subscribers_[topic] = nodes.subscribe(options);
 }
 
 void CommandIn::on_command(const std::string& topic, const Event& event) {
@@ -54,7 +57,7 @@ void CommandIn::on_command(const std::string& topic, const Event& event) {
   }
 }
 
-void CommandIn::stamp(payload::JointCommand& command, RingPort::Clock::time_point came) const {
+void CommandIn::stamp(payload::JointCommand& command, RingPort::Clock::time_point came) {
   command.stamp_ns = port_.stamp_of(came);
   command.valid_for_us = valid_for_us_;
 }

@@ -11,6 +11,7 @@
 
 #include "ros_bridge/conversions.h"
 #include "ros_bridge/counters.h"
+#include "ros_bridge/direct_queue.h"
 #include "ros_bridge/ring_port.h"
 #include "ros_bridge/throttle.h"
 #include "ros_bridge/waiting_commands.h"
@@ -58,7 +59,7 @@ class CommandIn {
   void subscribe(ros::NodeHandle& nodes, const std::string& topic);
   void on_command(const std::string& topic, const Event& event);
   /// @param came by the steady clock
-  void stamp(payload::JointCommand& command, RingPort::Clock::time_point came) const;
+  void stamp(payload::JointCommand& command, RingPort::Clock::time_point came);
   void warn_unknown(const std::string& topic, const std::vector<std::string>& names);
   void offer(const CommandSplit::Part& part);
   void send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);
@@ -73,6 +74,7 @@ class CommandIn {
   Throttle refusal_{std::chrono::seconds(1)};
   std::map<std::uint8_t, NodeCommands> by_node_;  // ring thread only
   std::function<void(const Heard&)> heard_ = [](const Heard&) {};
+  DirectQueue at_once_;
   std::map<std::string, ros::Subscriber> subscribers_;  ///< by topic
 };
 

@@ -122,12 +122,8 @@ RingPort::Clock::time_point RingPort::now() const {
   return in_lockstep() ? Clock::time_point(port_->now()) : Clock::now();
 }
 
-std::int64_t RingPort::stamp_of(Clock::time_point came) const {
-  const bool is_virtual = in_lockstep();
-  const std::chrono::nanoseconds ago = is_virtual ? 0ns : std::chrono::nanoseconds(Clock::now() - came);
-  const std::chrono::nanoseconds stamp =
-      port_ ? port_->stamp() : std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch());
-  return (stamp - ago).count();
+std::int64_t RingPort::stamp_of(Clock::time_point came) {
+  return in_lockstep() ? port_->stamp().count() : wall_clock_.at(came);
 }
 
 void RingPort::restart_ticks() {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "limb_ring/host_port.h"
+#include "process/wall_clock.h"
 #include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
@@ -73,7 +74,7 @@ class RingPort {
   RosClock& ros_clock() { return ros_clock_; }
   const RosClock& ros_clock() const { return ros_clock_; }
   /// Ring thread only: the stamp of what came at that time of the steady clock: since 1970, or now() on a virtual ring.
-  std::int64_t stamp_of(Clock::time_point came) const;
+  std::int64_t stamp_of(Clock::time_point came);
   enum class Held : std::uint8_t { fulfilled, in_vain, let_go };
   /// Ring thread only: waits, in real time, until `condition` holds; the ring's time stands meanwhile, and posted work
   /// is done. @return in_vain after `patience`; let_go if somebody keeps a TimeGoesOn
@@ -139,6 +140,7 @@ class RingPort {
   std::optional<Message> message_;          ///< that has ended a wait in lockstep
   std::chrono::nanoseconds told_time_{-1};  ///< by time_
   RosClock ros_clock_;
+  process::WallClock wall_clock_;
   std::unordered_map<std::uint32_t, OnResult> results_;
   std::vector<OnResult> unsendable_;  // asked for while not connected
 

@@ -34,6 +34,7 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
   port_.every(kAnnouncePeriod, [this] { sender_.announce(); });
   options_.initByFullCallbackType<const Event&>(topic.input, topic.queue,
                                                 [this](const Event& event) { on_message(event); });
+  options_.callback_queue = &at_once_;
   options_.transport_hints = ros::TransportHints().tcpNoDelay();
   subscriber_ = nodes_.subscribe(options_);
   full_name_ = subscriber_.getTopic();

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 
+#include "ros_bridge/direct_queue.h"
 #include "ros_bridge/publisher_check.h"
 #include "ros_bridge/topic_sender.h"
 
@@ -43,12 +44,13 @@ class TopicIn {
   TopicSender sender_;  // ring thread only
   std::mutex mutex_;
   std::deque<TopicMessage> handed_in_;  // at most topic_.queue
-  ros::NodeHandle nodes_;
-  ros::SubscribeOptions options_;
-  ros::Subscriber subscriber_;  ///< after the constructor look()'s thread alone
-  std::string full_name_;
   PublisherCheck check_;
   std::string datatype_, md5sum_;  ///< of the last message
+  ros::NodeHandle nodes_;
+  std::string full_name_;
+  DirectQueue at_once_;
+  ros::SubscribeOptions options_;
+  ros::Subscriber subscriber_;  ///< after the constructor look()'s thread alone; last: its callback uses the others
 };
 
 }  // namespace limb_ring::bridge

@@ -8,6 +8,7 @@
 #include "client/arguments.h"
 #include "client/connection.h"
 #include "client/open_connection.h"
+#include "process/wall_clock.h"
 #include "wire/outcome.h"
 
 namespace limb_ring {
@@ -81,6 +82,7 @@ struct HostPort::Impl {
 
   client::Connection connection;
   std::chrono::nanoseconds last_told{0};  ///< by a clock that does not wait for us
+  process::WallClock wall_clock;
 };
 
 // The values are those of the wire's, which a public header cannot include.
@@ -141,9 +143,11 @@ void HostPort::alive() {
 
 std::chrono::nanoseconds HostPort::now() const { return impl_->now(); }
 
-std::chrono::nanoseconds HostPort::stamp() const {
-  if (impl_->connection.clock() != client::ClockKind::machine) return impl_->now();
-  return std::chrono::system_clock::now().time_since_epoch();
+std::chrono::nanoseconds HostPort::stamp() const { return stamp_of(now()); }
+
+std::chrono::nanoseconds HostPort::stamp_of(std::chrono::nanoseconds time) const {
+  if (impl_->connection.clock() != client::ClockKind::machine) return time;
+  return std::chrono::nanoseconds(impl_->wall_clock.at(process::WallClock::Steady::time_point(time)));
 }
 
 bool HostPort::in_lockstep() const { return impl_->connection.clock() == client::ClockKind::lockstep; }

@@ -3,7 +3,7 @@
 #include <boost/asio/io_context.hpp>
 
 #include "event_loop/node_clock.h"
-#include "event_loop/wall_clock.h"
+#include "process/wall_clock.h"
 
 namespace limb_ring::event_loop {
 
@@ -18,7 +18,7 @@ class MachineClock final : public NodeClock {
 
  private:
   boost::asio::io_context& io_;
-  WallClock wall_;
+  process::WallClock wall_;
 };
 
 }  // namespace limb_ring::event_loop

@@ -131,7 +131,10 @@ class Run {
 
 }  // namespace
 
-Timestamps read_clocks(const HostPort& port) { return {port.now(), port.stamp().count()}; }
+Timestamps read_clocks(const HostPort& port) {
+  const nanoseconds now = port.now();
+  return {now, port.stamp_of(now).count()};
+}
 
 int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, const RunOptions& options) {
   return Run(port, cpu, alive_period, options).loop();

@@ -26,7 +26,10 @@ class ObservedDaemon {
   /// Drops the connection; look_for() makes a new one.
   void drop() { port_.reset(); }
   /// From its clock to dates since 1970. @pre connected()
-  std::chrono::nanoseconds to_date() const { return port_->stamp() - port_->now(); }
+  std::chrono::nanoseconds to_date() const {
+    const std::chrono::nanoseconds now = port_->now();
+    return port_->stamp_of(now) - now;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

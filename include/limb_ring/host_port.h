@@ -153,6 +153,8 @@ class HostPort {
   std::chrono::nanoseconds now() const;
   /// The same instant for stamps: since 1970 (CLOCK_REALTIME); on a virtual ring as now().
   std::chrono::nanoseconds stamp() const;
+  /// The stamp of a time of now() that is not long ago.
+  std::chrono::nanoseconds stamp_of(std::chrono::nanoseconds time) const;
   /// On a virtual ring, as ConnectOptions::lockstep has it.
   bool in_lockstep() const;
   /// Returns at that time of now(), or when the connection has ended. Messages stay for receive().

@@ -13,6 +13,7 @@
 #include "process/process_handle.h"
 #include "process/process_state.h"
 #include "process/spawn.h"
+#include "process/wall_clock.h"
 
 namespace limb_ring::process {
 namespace {
@@ -31,6 +32,16 @@ ExitStatus ended(const Spawned& child) {
   EXPECT_EQ(::waitpid(child.pid, &status, 0), child.pid);
   const int error = exec_error(child);
   return error != 0 ? not_executed("it", error) : exit_status(status);
+}
+
+// Two readings of the system's clocks, one after the other, would be apart by what the process waited in between.
+TEST(WallClock, KeepsTheDistancesOfItsInstants) {
+  WallClock clock;
+  const auto now = WallClock::Steady::now();
+  const std::int64_t first = clock.at(now);
+  EXPECT_NEAR(static_cast<double>(first),
+              static_cast<double>(std::chrono::system_clock::now().time_since_epoch() / 1ns), 60e9);
+  for (const auto later : {1ns, 1000ns, 999999999ns}) EXPECT_EQ(clock.at(now + later) - first, later.count());
 }
 
 TEST(Spawn, TellsHowAProgramEnded) {

@@ -84,9 +84,12 @@ class Ring:
         wait_for(lambda: condition(self.node(name)), '%s: %s' % (name, what))
         return self.node(name)
 
-    def counter(self, name):
+    def counters(self):
         status = self.status.get()
-        return dict(zip(status.counter_names, status.counter_values)).get(name, 0)
+        return dict(zip(status.counter_names, status.counter_values)) if status else {}
+
+    def counter(self, name):
+        return self.counters().get(name, 0)
 
 
 def stop_process(pid):

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace limb_ring::event_loop {
+namespace limb_ring::process {
 
 /// Converts instants of CLOCK_MONOTONIC to CLOCK_REALTIME. The difference of the two is measured once a
 /// second: packets of one batch keep their distances, and a wall clock that is set is soon followed.
@@ -36,4 +36,4 @@ class WallClock {
   std::int64_t offset_ = 0;
 };
 
-}  // namespace limb_ring::event_loop
+}  // namespace limb_ring::process
