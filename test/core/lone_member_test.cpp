@@ -165,6 +165,18 @@ TEST(Hello, IsNotSaidAgainWhereARingThatWasNeverFoldedGrows) {
   EXPECT_EQ(solo.counters().hellos, 1u);
 }
 
+// Said again at once, the hellos of all nodes filled the ring.
+TEST(Hello, IsSaidOncePerTryTimeOutWhereALineDamagesEveryPacket) {
+  VirtualRing ring(quick(4));
+  ring.tap(2_id, damage(1000000, 5, is_data));
+  ring.run_for(1s);
+  for (const NodeId id : {0_id, 1_id, 2_id, 3_id}) EXPECT_EQ(ring.counters(id).hellos, 11u) << int{id};
+  ring.tap(2_id, nullptr);
+  ring.run_for(ring.node(0_id).settings().send_timeout());
+  for (const NodeId id : {0_id, 1_id, 2_id, 3_id})
+    EXPECT_EQ(ring.node(id).membership().state(), NodeState::up) << int{id};
+}
+
 // It ended lost, as a retry that comes home untaken does, and was said again (seed 1938716889 of test/model).
 TEST(Hello, IsHomeAlsoIfItsRetryComesHomeUntaken) {
   SoloNode solo;

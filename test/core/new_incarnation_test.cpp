@@ -247,6 +247,25 @@ TEST_F(ExactlyOnceRing, SoAreSixThatAreLost) {
   EXPECT_EQ(ring.counters(0_id).hellos, hellos + 1);
 }
 
+// What users send meanwhile waits for it, and is not cancelled.
+TEST(NewHello, ThatWaitsToBeSaidAgainGoesIntoAnOpenChainAtOnce) {
+  VirtualRing ring(with(quick(4), [](Settings& s) { s.beacon = 100ms; }));
+  ASSERT_TRUE(ring.join());
+  ring.tap(1_id, damage(1000000, 5,
+                        [](const wire::Slice& slice) { return wire::PacketFields{slice.bytes}.source() == 0_id; }));
+  for (int i = 0; i < 6; ++i) outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 1));
+  const auto token = ring.send(0_id, 2_id, text("a"));
+  ring.run_for(10ms);
+  ring.cut(1_id);
+  const auto in_open_chain = [&] { return ring.node(0_id).membership().state() == NodeState::open_chain; };
+  for (int ms = 0; ms < 1000 && !in_open_chain(); ++ms) ring.run_for(1ms);
+  const auto hellos = ring.counters(0_id).hellos;
+  EXPECT_GT(hellos, 2u);
+  ring.run_for(1ms);
+  EXPECT_EQ(outcome_of(ring, 0_id, token).outcome, Outcome::unconfirmed);
+  EXPECT_EQ(ring.counters(0_id).hellos, hellos);
+}
+
 TEST_F(ExactlyOnceRing, VerdictInBetweenResetsTheCount) {
   const auto hellos = ring.counters(0_id).hellos;
   for (int round = 0; round < 3; ++round) {

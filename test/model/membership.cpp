@@ -55,6 +55,7 @@ void Node::start_over(Time now) {
   break_.reset();
   break_is_own_ = false;
   break_at_ = drained_at_ = beacon_at_ = kNever;
+  hello_due_ = kNever;
   beacon_wanted_ = false;
   for (auto& [source, page] : pages_) page.decided.clear();
   set_state(NodeState::starting, now);
@@ -72,6 +73,19 @@ void Node::say_hello(bool remembers, Time now) {
   data_.queues[0].push_back(send);
   hello_out_ = true;
   hello_left_ = false;
+  hello_said_ = now;
+  hello_due_ = kNever;
+}
+
+/// It has ended lost or rejected, some time ago or now. (protocol.md section 8.1)
+void Node::hello_again(Time now) {
+  hello_due_ = kNever;
+  hello_out_ = false;
+  if (state_ == NodeState::joining && !both_up()) return set_state(NodeState::starting, now);
+  if (both_up())
+    say_hello(closed(), now);
+  else
+    new_hello_wanted_ = closed();
 }
 
 /// A hello or beacon has ended otherwise than by coming home, or has left into an open chain.
@@ -81,14 +95,15 @@ void Node::control_ended(const Send& send, Outcome outcome, Time now) {
     return beacons(now);
   }
   if (!hello_out_) return beacons(now);  // it is home, whatever its FBC (protocol.md section 4.8)
+  const bool lost = outcome == Outcome::lost || outcome == Outcome::rejected;
+  if (lost && now < hello_said_ + try_timeout()) {
+    hello_due_ = hello_said_ + try_timeout();
+    return;
+  }
+  if (lost) return hello_again(now);
   hello_out_ = false;
   if (outcome == Outcome::unconfirmed) hello_left_ = true, hello_left_at_ = now;
-  if (outcome != Outcome::lost && outcome != Outcome::rejected) return beacons(now);
-  if (state_ == NodeState::joining && !both_up()) return set_state(NodeState::starting, now);
-  if (both_up())
-    say_hello(closed(), now);
-  else
-    new_hello_wanted_ = closed();
+  beacons(now);
 }
 
 // protocol.md section 4.7.
@@ -156,7 +171,7 @@ void Node::control_home_unmatched(const Packet& packet, Time at, Time now) {
 void Node::sign_of_duplicate(Time now) {
   if (++signs_ < 3 || state_ == NodeState::starting || state_ == NodeState::duplicate_id) return;
   signs_ = 0;
-  announced_at_ = kNever;
+  announced_at_ = hello_due_ = kNever;
   cancel_all(now);
   ++boot_;
   data_.numbers.clear();
@@ -234,7 +249,7 @@ void Node::break_known(Break known, bool own, bool folded, Time now) {
   if (joins) {
     if (!out_.up) return;
     allowed_since_ = allowed_since;
-    const bool out = hello_out_;
+    const bool out = hello_out_ && hello_due_ == kNever;
     set_state(NodeState::open_chain, now);
     end_unconfirmed(now);
     if (!out) say_hello(false, now);
@@ -243,6 +258,7 @@ void Node::break_known(Break known, bool own, bool folded, Time now) {
     want_beacon();
     set_state(NodeState::open_chain, now);
     end_unconfirmed(now);
+    if (hello_due_ != kNever) say_hello(true, now);
   }
   beacons(now);
 }
@@ -313,13 +329,14 @@ void Node::membership_timers(Time now) {
     allowed_since_ = now;
     new_hello_wanted_ = true;
   }
+  if (hello_due_ <= now) hello_again(now);
   if (beacon_at_ <= now) look_for_folds(now);
   new_hello_when_due(now);
   beacons(now);
 }
 
 Time Node::membership_deadline() const {
-  return std::min({break_at_, drained_at_, may_say_beacon() ? beacon_at_ : kNever});
+  return std::min({break_at_, drained_at_, hello_due_, may_say_beacon() ? beacon_at_ : kNever});
 }
 
 }  // namespace limb_ring::model

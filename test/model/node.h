@@ -263,6 +263,7 @@ class Node : private BehindFold {
   NodeState closed_state() const;
   void reconsider_closed(Time now);
   void say_hello(bool remembers, Time now);
+  void hello_again(Time now);
   void control_ended(const Send& send, Outcome outcome, Time now);
   void own_home(const Packet& packet, Time at, Time now);
   void control_home_unmatched(const Packet& packet, Time at, Time now);
@@ -311,7 +312,9 @@ class Node : private BehindFold {
   std::uint64_t boot_, first_boot_;
   unsigned ring_size_ = 0;
   int signs_ = 0;
-  bool hello_out_ = false;      ///< it waits, or is outstanding
+  bool hello_out_ = false;  ///< it waits, or is outstanding, or will be said again
+  Time hello_said_{};
+  Time hello_due_ = kNever;     ///< it has ended lost, and is said again then
   Time announced_at_ = kNever;  ///< the own hello, or a beacon of this boot number, first came home
   bool hello_left_ = true;      ///< in an open chain: nothing else goes before
   Time hello_left_at_ = Time{} - Duration{1};

@@ -146,7 +146,7 @@ void Membership::begin_incarnation(Time now) {
   transmit_.set_gate(Gate::closed, now);
   memory_.forget_verdicts();
   joined_ = hello_out_ = renumbering_ = merged_ = false;
-  known_to_all_from_ = kNever;
+  known_to_all_from_ = hello_due_ = kNever;
   beacon_.out = false;
   beacon_.due = break_due_ = drained_at_ = kNever;
   break_.forget();
@@ -165,6 +165,8 @@ void Membership::next_boot() {
 void Membership::say_hello(Time now) {
   if (hello_out_) transmit_.restart(now);
   hello_out_ = true;
+  hello_said_ = now;
+  hello_due_ = kNever;
   ++counters_.hellos;
   transmit_.set_gate(Gate::control, now);
   std::array<std::uint8_t, wire::kHelloSize> bytes;
@@ -182,6 +184,14 @@ void Membership::hello_ended(const SendEnded& ended, Time now) {
   const bool home = ended.outcome == Outcome::delivered || ended.outcome == Outcome::no_such_node ||
                     ended.outcome == Outcome::refused || ended.round_trip != Duration{0};
   if (home || state_ == NodeState::open_chain) return on(Input::hello_home, now);
+  hello_due_ = hello_said_ + settings_.send_timeout();
+  if (hello_due_ <= now) hello_lost(now);
+}
+
+// Where a line damages every packet, a hello is lost within a lap. Said again at once, those of all nodes would take
+// the whole ring, and INTPs would wait among them. (ours, protocol.md section 8.1)
+void Membership::hello_lost(Time now) {
+  hello_due_ = kNever;
   on(lines_up() ? Input::hello_lost : Input::hello_lost_no_line, now);
 }
 
@@ -227,7 +237,7 @@ void Membership::forget_lost_lines() {
 void Membership::came_home(std::uint8_t hop, Time now) {
   forget_lost_lines();
   duplicate_signs_ = 0;
-  if (!hello_out_ && has_merged(hop, now)) merged_ = true;
+  if (!hello_under_way() && has_merged(hop, now)) merged_ = true;
   ring_size_ = hop + 1u;
   if (closed()) return update_closed_state(now);
   on(Input::own_packet_home, now);
@@ -345,7 +355,7 @@ void Membership::send_beacon_along(Time now) {
 void Membership::send_beacon(Time now) {
   beacon_.wanted = false;
   beacon_.due = now + settings_.beacon;
-  if (hello_out_ || !accepts_sends()) return;
+  if (hello_under_way() || !accepts_sends()) return;
   beacon_.out = true;
   std::array<std::uint8_t, wire::kLongBeaconSize> bytes;
   const std::size_t size = wire::encode(beacon(now), bytes.data());
@@ -357,6 +367,7 @@ void Membership::send_beacon(Time now) {
 void Membership::act_on_time(Time now) {
   if (break_due_ <= now) own_input_broken(now);
   if (drained_at_ <= now) on(Input::drained, now);
+  if (hello_due_ <= now) hello_lost(now);
   if (beacon_.due <= now) {
     beacon_.due = now + settings_.beacon;
     beacon_changed(now);

@@ -105,21 +105,21 @@ class Membership {
   bool settle(Time now) {
     const bool ended = transmit_.data.has_control_end();
     if (ended) control_ended(now);
-    const bool due = (renumbering_ || merged_ || transmit_.numbers_exhausted()) && !hello_out_;
+    const bool due = (renumbering_ || merged_ || transmit_.numbers_exhausted()) && !hello_under_way();
     if (due) on(Input::numbers_due, now);
     return ended || due;
   }
   void handle_timeout(Time now) {
     if (deadline() <= now) act_on_time(now);
   }
-  Time deadline() const { return std::min(std::min(beacon_.due, break_due_), drained_at_); }
+  Time deadline() const { return std::min({beacon_.due, break_due_, drained_at_, hello_due_}); }
 
   /// archive.h
   template <class Archive>
   void archive(Archive& a) {
     a("state", state_)("boot", boot_)("ring_size", ring_size_)("peers", peers_)("cpu", cpu_);
     a("input", input_)("output", output_)("joined", joined_)("known_to_all_from", known_to_all_from_)(
-        "hello_out", hello_out_)("renumbering", renumbering_);
+        "hello_out", hello_out_)("hello_said", hello_said_)("hello_due", hello_due_)("renumbering", renumbering_);
     a("merged", merged_)("duplicate_signs", duplicate_signs_)("beacon.out", beacon_.out)("beacon.wanted",
                                                                                          beacon_.wanted);
     a("beacon.due", beacon_.due)("break", break_)("break_due", break_due_)("drained_at", drained_at_);
@@ -174,9 +174,12 @@ class Membership {
   void lines_changed(Time now);
   void forget_lost_lines();
   bool lines_up() const { return input_.up() && output_.up(); }
+  /// It is out, or will be said again.
+  bool hello_under_way() const { return hello_out_ || hello_due_ != kNever; }
   void next_boot();
   void control_ended(Time now);
   void hello_ended(const SendEnded& ended, Time now);
+  void hello_lost(Time now);
 
   bool heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
   bool heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
@@ -227,6 +230,8 @@ class Membership {
   bool joined_ = false;
   Time known_to_all_from_ = kNever;  ///< its start
   bool hello_out_ = false;
+  Time hello_said_{};
+  Time hello_due_ = kNever;       ///< it has ended lost, and is said again then
   bool renumbering_ = false;      ///< the hello that is out, or comes next, begins new numbers
   bool merged_ = false;           ///< with another part of the ring: numbers start again at 0
   unsigned duplicate_signs_ = 0;  ///< since an own packet last came home

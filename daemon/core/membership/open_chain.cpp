@@ -34,6 +34,7 @@ void Membership::break_known(Time now) {
 void Membership::go_on_unconfirmed(Time now) {
   transmit_.set_open_chain(true, now);
   if (hello_out_) return;
+  if (hello_under_way()) return say_hello(now);
   transmit_.set_gate(Gate::open, now);
   beacon_changed(now);
 }
