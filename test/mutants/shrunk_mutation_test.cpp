@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
                     ShrunkCase{"RefusesEveryTenth", Mutation::refuses_every_tenth, Promise::true_fbc},
                     ShrunkCase{"ShortRoundTrips", Mutation::short_round_trips, Promise::true_result},
                     ShrunkCase{"CountsOneTry", Mutation::counts_one_try, Promise::true_result},
-                    ShrunkCase{"GivesUpEarly", Mutation::gives_up_early, Promise::true_result, 483},
+                    ShrunkCase{"GivesUpEarly", Mutation::gives_up_early, Promise::true_result, 466},
                     ShrunkCase{"RefusedAtOnce", Mutation::refused_at_once, Promise::true_result},
                     ShrunkCase{"FullTooEarly", Mutation::full_too_early, Promise::true_result},
                     ShrunkCase{"CancelsNothing", Mutation::cancels_nothing, Promise::true_result},
