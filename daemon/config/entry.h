@@ -34,6 +34,7 @@ class Entry {
   Document& document() const { return *document_; }
   bool is_scalar() const { return node_.IsScalar(); }
   bool is_map() const { return node_.IsMap(); }
+  bool is_list() const { return node_.IsSequence(); }
 
   /// A single value, as text. `allowed` says what would be right, in this and what follows.
   /// @throw ConfigError where it is a list, a map or nothing.

@@ -30,6 +30,14 @@ void expect_of_networks_alone(RingConfig& ring) {
   }
 }
 
+/// A scenario, taken for the file of a ring.
+void refuse_scenario(const Entry& file) {
+  if (!file.is_map()) return;
+  for (const char* name : {"scenario", "steps", "always", "never"})
+    if (const auto entry = file.find(name))
+      entry->refuse("this is a scenario, not the file of a ring", "'ringctl scenario run FILE' for a scenario");
+}
+
 }  // namespace
 
 RingConfig parse_ring(const std::string& text, const std::string& name) {
@@ -37,6 +45,7 @@ RingConfig parse_ring(const std::string& text, const std::string& name) {
   const Entry file(parse_yaml(text, name), "", document);
   RingConfig ring;
   ring.path = name;
+  refuse_scenario(file);
   read_section(file, ring_section(), ring);
   default_outputs(ring.bridge.topics);
   find_key(ring);

@@ -46,11 +46,24 @@ std::string place_in(const std::string& name, const YAML::Mark& mark) {
   return name + ':' + std::to_string(mark.line + 1) + ':' + std::to_string(mark.column + 1);
 }
 
+namespace {
+
+/// Of a path from the current folder, which that is: most often it is another one than was thought.
+std::string looked_in(const std::string& path) {
+  std::error_code error;
+  const auto folder = std::filesystem::current_path(error);
+  if (error || std::filesystem::path(path).is_absolute()) return {};
+  return " (looked in " + folder.string() + ")";
+}
+
+}  // namespace
+
 // Only a regular file: reading a pipe or a device might never end.
 std::string read_file(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) throw ConfigError(path + ": there is no such file");
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw ConfigError(path + ": there is no such file" + looked_in(path));
   if (!std::filesystem::is_regular_file(status)) throw ConfigError(path + ": is not a file; allowed: a regular file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw ConfigError(path + ": cannot be read: " + std::strerror(errno));

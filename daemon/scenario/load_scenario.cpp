@@ -111,6 +111,14 @@ void check_scenario(const Entry& file, const Scenario& scenario) {
   }
 }
 
+/// The file of a ring, taken for a scenario: its nodes are a list, or what it says is only said of rings.
+void refuse_ring(const Entry& file) {
+  if (!file.is_map() || file.find("steps")) return;
+  if (const auto nodes = file.find("nodes"); nodes && nodes->is_list())
+    nodes->refuse("this is the file of a ring, not a scenario",
+                  "'ringctl up FILE' for a ring; a scenario names it: 'ring: FILE'");
+}
+
 }  // namespace
 
 bool expects_something(const Scenario& scenario) {
@@ -124,6 +132,7 @@ bool lasts(const Scenario& scenario) { return scenario.world == World::soak || !
 Scenario parse_scenario(const std::string& text, const std::string& name) {
   config::Document document{name, {}, {}, {}};
   const Entry file(config::parse_yaml(text, name), "", document);
+  refuse_ring(file);
   check_names(file, names_of(scenario_section()), {});
   Scenario scenario;
   scenario.path = name;

@@ -35,6 +35,8 @@ TEST_F(UnreadableFile, IsReadWhereNothingIsWrong) {
 
 TEST_F(UnreadableFile, ThatIsNotThere) {
   EXPECT_EQ(refusal_of_file(folder_ + "/none.yaml"), folder_ + "/none.yaml: there is no such file");
+  EXPECT_EQ(refusal_of_file("no/such.yaml"),
+            "no/such.yaml: there is no such file (looked in " + std::filesystem::current_path().string() + ")");
 }
 
 TEST_F(UnreadableFile, ThatIsAFolderOrADevice) {

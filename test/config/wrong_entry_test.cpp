@@ -26,6 +26,14 @@ TEST(WrongEntry, UnknownAtTheTop) {
               "supervisor, virtual, bridge, traffic")));
 }
 
+TEST(WrongEntry, OfAScenarioSaysSo) {
+  EXPECT_THAT(
+      refusal_of("scenario: a wire breaks\nring: leg8.yaml\nsteps: []\n"),
+      Eq("ring.yaml:1:1: entry 'scenario': this is a scenario, not the file of a ring; allowed: 'ringctl scenario "
+         "run FILE' for a scenario"));
+  EXPECT_THAT(refusal_of("nodes: 4\nnever: []\n"), HasSubstr("entry 'never': this is a scenario"));
+}
+
 TEST(WrongEntry, UnknownWithinASection) {
   EXPECT_THAT(refusal_of(two_nodes("limits: {send_que: 3}\n")),
               AllOf(StartsWith("ring.yaml:6:10: entry 'limits.send_que': is unknown, did you mean "

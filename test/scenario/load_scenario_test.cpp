@@ -46,6 +46,12 @@ TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
               StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
 }
 
+TEST(LoadScenario, TheFileOfARingIsToldWhatItIs) {
+  EXPECT_THAT(refusal_of("ring: two\ntimeouts: {}\nnodes: [{id: 0}, {id: 1}]\n"),
+              AllOf(HasSubstr("entry 'nodes': this is the file of a ring, not a scenario"),
+                    HasSubstr("'ringctl up FILE' for a ring")));
+}
+
 TEST(LoadScenario, ExpectationsAreWaitsAndWhatHoldsAlwaysOrNever) {
   const auto expects = [](const std::string& more) { return expects_something(parse_scenario(four_nodes(more), "t")); };
   EXPECT_FALSE(expects("steps: []\n"));

@@ -140,6 +140,33 @@ class Contents(unittest.TestCase):
         self.assertGreater(len(counted), 20)
         self.assertCountEqual(rows(section(self.page, "10.2")) + rows(section(self.page, "10.3")), counted)
 
+    def test_every_counter_of_faults_on_purpose_is_listed(self):
+        counted = re.findall(r'X\((\w+), "', read(os.path.join("daemon", "fault", "line_counters.h")))
+        self.assertGreater(len(counted), 8)
+        self.assertCountEqual(rows(section(self.page, "10.4")), counted)
+
+    def test_every_counter_that_status_puts_beside_these_is_listed(self):
+        counted = re.findall(r'all\["(\w+)"\] = ', read(os.path.join("daemon", "runtime", "status.cpp")))
+        self.assertGreater(len(counted), 6)
+        self.assertCountEqual(rows(section(self.page, "10.5")), counted)
+
+    def test_every_prefix_of_a_counter_is_explained(self):
+        status = read(os.path.join("daemon", "runtime", "status.cpp"))
+        prefixes = re.findall(r'std::string\("(\w+_)"\) \+ name', status)
+        self.assertEqual(len(prefixes), 4)
+        for prefix in prefixes:
+            self.assertIn("`%s...`" % prefix, section(self.page, "10"))
+
+    def test_every_counter_of_the_bridge_is_listed(self):
+        sources = "".join(text for path, text in texts() if path.startswith("ros_bridge") and path.endswith(".cpp"))
+        counted = set(re.findall(r'counters_\.(?:add|set)\("(\w+)"[,)]', sources))
+        self.assertGreater(len(counted), 15)
+        page = read(os.path.join("docs", "ros.md")).split("## Counters of the bridge")[1].split("\n## ")[0]
+        self.assertEqual([name for name in sorted(counted) if "`%s`" % name not in page], [])
+        of_topics = set(re.findall(r'"_(received|dropped_\w+)"', sources)) | set(re.findall(r'count\("(\w+)"\)', sources))
+        self.assertGreater(len(of_topics), 4)
+        self.assertEqual([name for name in sorted(of_topics) if "`topic_NAME_%s`" % name not in page], [])
+
     def test_every_timeout_is_in_the_table_of_timers_with_its_default(self):
         options = re.search(r"^## `timeouts`\n(.*?)^## ", read(os.path.join("config", "OPTIONS.md")),
                             re.MULTILINE | re.DOTALL).group(1)

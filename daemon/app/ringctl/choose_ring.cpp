@@ -46,4 +46,9 @@ std::string choose_ring(const std::string& given) {
   throw UsageError("several rings are running: " + config::join(rings) + "; choose one with --ring");
 }
 
+std::string choose_ring(const std::string& argument, const std::string& option) {
+  if (!argument.empty() && !option.empty() && argument != option) throw UsageError("RING and --ring name two rings");
+  return choose_ring(argument.empty() ? option : argument);
+}
+
 }  // namespace limb_ring::ringctl

@@ -13,4 +13,8 @@ std::string named_ring(const std::string& given);
 /// @throw NoRing where there is none; UsageError listing them where several run.
 std::string choose_ring(const std::string& given);
 
+/// The same for a command that takes the name as its argument RING, too; each may be empty.
+/// @throw also UsageError where the two differ
+std::string choose_ring(const std::string& argument, const std::string& option);
+
 }  // namespace limb_ring::ringctl

@@ -9,6 +9,7 @@
 #include "app/ringctl/connect_node.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_folder.h"
+#include "config/names.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
@@ -98,7 +99,9 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
   if (killed != 0)
     throw NoRing("no daemon of ring " + ring + " answers: " + app::counted(killed, "node") +
                  " killed on purpose; 'ringctl fault clear' starts what was killed");
-  throw NoRing("ring " + ring + " does not run: " + why);
+  std::vector<std::string> others = running_rings();
+  others.erase(std::remove(others.begin(), others.end(), ring), others.end());
+  throw NoRing("ring " + ring + " does not run: " + why + (others.empty() ? "" : "; running: " + config::join(others)));
 }
 
 RingAccess RingAccess::open_also_dead(const std::string& ring) {

@@ -67,6 +67,17 @@ TEST_F(Usage, OnAnotherHostTheRingIsNamedOnce) {
   EXPECT_THAT(arguments_there("", {"up"}), ElementsAre("up"));
 }
 
+TEST_F(Usage, ARingIsNamedOnceByItsArgumentOrByTheOption) {
+  for (const char* command : {"status", "top", "watch"}) {
+    const CliRun two = ringctl({"--ring", "arm", command, "leg"});
+    EXPECT_EQ(two.code, kUsage) << command;
+    EXPECT_THAT(two.errors, HasSubstr("RING and --ring name two rings")) << command;
+    const CliRun none = ringctl({command, "no-such-ring"});
+    EXPECT_EQ(none.code, kNoRing) << command;
+    EXPECT_THAT(none.errors, HasSubstr("ring no-such-ring does not run")) << command;
+  }
+}
+
 TEST_F(Usage, ChannelOfTheNetworkControllersIsRefused) {
   const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "1"});
   EXPECT_EQ(said.code, kUsage);

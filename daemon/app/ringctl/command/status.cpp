@@ -21,6 +21,7 @@ namespace limb_ring::ringctl {
 namespace {
 
 struct StatusOptions {
+  std::string ring;
   bool json = false, pids = false;
 };
 
@@ -53,7 +54,7 @@ RingAccess running_or_frozen(const std::string& ring) {
 }
 
 int run(const Context& context, const StatusOptions& options) {
-  const RingAccess ring = running_or_frozen(choose_ring(context.ring));
+  const RingAccess ring = running_or_frozen(choose_ring(options.ring, context.ring));
   const auto rows = status_rows(ring);
   if (options.json)
     print_json(ring, rows);
@@ -68,6 +69,7 @@ void add_status(CLI::App& app, Context& context) {
   auto options = std::make_shared<StatusOptions>();
   CLI::App* command =
       add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down', or, stopped, 'frozen'");
+  command->add_option("RING", options->ring, "Its name; default: the only one running");
   command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

@@ -35,6 +35,7 @@ namespace {
 constexpr milliseconds kAnswerWait{500};
 
 struct TopOptions {
+  std::string ring;
   double interval_s = 1;
   bool once = false, json = false;
 };
@@ -152,7 +153,7 @@ int redraw(const RingAccess& ring, const TopOptions& options) {
 
 int run(const Context& context, const TopOptions& options) {
   if (options.json && !options.once) throw UsageError("--json goes with --once");
-  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const RingAccess ring = RingAccess::open(choose_ring(options.ring, context.ring));
   return options.once ? once(ring, options) : redraw(ring, options);
 }
 
@@ -161,6 +162,7 @@ int run(const Context& context, const TopOptions& options) {
 void add_top(CLI::App& app, Context& context) {
   auto options = std::make_shared<TopOptions>();
   CLI::App* command = add_command(app, "top", "Watch all nodes: states, traffic, load, round trips, errors");
+  command->add_option("RING", options->ring, "Its name; default: the only one running");
   command->add_option("--interval", options->interval_s, "Seconds between two readings, 0.1 to 3600; default 1")
       ->transform(cli::seconds(0.1, 3600.0));
   command->add_flag("--once", options->once, "Print once, after one interval, and end");

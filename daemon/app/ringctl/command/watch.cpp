@@ -138,9 +138,7 @@ class WatchRun {
 };
 
 int run(const Context& context, const WatchOptions& options) {
-  if (!options.ring.empty() && !context.ring.empty() && options.ring != context.ring)
-    throw UsageError("RING and --ring name two rings");
-  const RingAccess ring = RingAccess::open(choose_ring(options.ring.empty() ? context.ring : options.ring));
+  const RingAccess ring = RingAccess::open(choose_ring(options.ring, context.ring));
   return WatchRun(ring, options).run();
 }
 
