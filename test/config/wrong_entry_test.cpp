@@ -29,7 +29,7 @@ TEST(WrongEntry, UnknownAtTheTop) {
 TEST(WrongEntry, OfAScenarioSaysSo) {
   EXPECT_THAT(
       refusal_of("scenario: a wire breaks\nring: leg8.yaml\nsteps: []\n"),
-      Eq("ring.yaml:1:1: entry 'scenario': this is a scenario, not the file of a ring; allowed: 'ringctl scenario "
+      Eq("ring.yaml:1:11: entry 'scenario': this is a scenario, not the file of a ring; allowed: 'ringctl scenario "
          "run FILE' for a scenario"));
   EXPECT_THAT(refusal_of("nodes: 4\nnever: []\n"), HasSubstr("entry 'never': this is a scenario"));
 }
