@@ -4,10 +4,13 @@ is whole again."""
 import os
 import re
 import signal
+import subprocess
 
 import ring_process
 from fault_process import QUICK, FaultTest
 from ring_process import is_gone, plain_nodes, process_state
+
+SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 
 
 class Nodes(FaultTest):
@@ -256,6 +259,23 @@ class Words(FaultTest):
 
     def test_no_ring_is_exit_code_3(self):
         self.fault('list', code=3)
+
+
+class Page(FaultTest):
+    def test_the_example_works_as_it_is_pasted_and_has_all_faults_in_its_table(self):
+        with open(os.path.join(SOURCE, 'docs', 'faults.md'), encoding='utf-8') as file:
+            page = file.read()
+        example = re.search(r'^(?:    ringctl .*\n)+', page, re.MULTILINE).group(0)
+        self.assertIn('ringctl up config/leg8.yaml --detach', example)
+        done = subprocess.run(['sh', '-ec', example], cwd=SOURCE, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, universal_newlines=True, timeout=ring_process.GUARD,
+                              env=dict(self.environment, PATH='%s:%s' % (ring_process.PROGRAMS, os.environ['PATH'])))
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertTrue(done.stdout.endswith('ring leg8 is down\n'), done.stdout)
+        words = re.findall(r'^  ([a-z_]+) ', self.ctl('fault', '--help').stdout.split('Subcommands:')[1], re.MULTILINE)
+        self.assertGreater(len(words), 20)
+        listed = re.findall(r'`([a-z_]+)`', '\n'.join(re.findall(r'^\| (`.*?) \|', page, re.MULTILINE)))
+        self.assertEqual([word for word in words if word not in listed + ['list', 'remove', 'clear']], [])
 
 
 if __name__ == '__main__':
