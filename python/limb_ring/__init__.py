@@ -6,7 +6,11 @@ limb_ring.msg and limb_ring.srv beside it.
         ring.reset('left_knee', timeout=2)
         ring.wait('left_knee', 'running', timeout=5)
 """
+import glob
 import importlib
+import importlib.machinery
+import os
+import sys
 
 # Loaded as soon as one of them is asked for: limb_ring.msg is for every ROS node that hears of a ring, and needs no
 # client library.
@@ -21,11 +25,30 @@ _NAMES_IN = {
 __all__ = [name for names in _NAMES_IN.values() for name in names]
 
 
+def _built_for():
+    """The Pythons whose _client is here, as the names of its files say: 'cpython-311-x86_64-linux-gnu'."""
+    files = glob.glob(os.path.join(glob.escape(os.path.dirname(__file__)), '_client.*'))
+    return {os.path.basename(file).split('.')[1]: '.' + os.path.basename(file).split('.', 1)[1] for file in files}
+
+
+def _load(module):
+    try:
+        return importlib.import_module('.' + module, __name__)
+    except ImportError as problem:
+        built = _built_for()
+        if not built or set(built.values()) & set(importlib.machinery.EXTENSION_SUFFIXES):
+            raise
+        raise ImportError('limb_ring in %s was built for %s, this is Python %d.%d (%s): use that Python, or build '
+                          'limb_ring with -DPYTHON_EXECUTABLE=%s'
+                          % (os.path.dirname(__file__), ', '.join(sorted(built)), sys.version_info[0],
+                             sys.version_info[1], sys.executable, sys.executable)) from problem
+
+
 def __getattr__(name):
     if name not in __all__:
         raise AttributeError('limb_ring has no %s' % name)
     for module, names in _NAMES_IN.items():
-        loaded = importlib.import_module('.' + module, __name__)
+        loaded = _load(module)
         globals().update((each, getattr(loaded, each)) for each in names)
     return globals()[name]
 
