@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,7 +11,8 @@ namespace limb_ring::runtime {
 
 /// Keeps a node reachable whose runtime folder is removed under it (the end of a login, a cleaner of temporary
 /// files): checks once a second, and has what is missing made again. Connections that stand do not notice. Nor does
-/// the folder, which is mostly in memory, fill up with the log of a CPU that writes all the time. (ours)
+/// the folder, which is mostly in memory, fill up with the log of a CPU that writes all the time: that is looked at twenty
+/// times a second. (ours)
 class FolderWatch {
  public:
   struct Folder {
@@ -29,9 +31,11 @@ class FolderWatch {
   void stop();
 
  private:
-  void check();
+  void every(boost::asio::steady_timer& timer, std::chrono::milliseconds period, void (FolderWatch::*check)());
+  void check_folder();
+  void check_log();
 
-  boost::asio::steady_timer timer_;
+  boost::asio::steady_timer timer_, log_timer_;
   Folder folder_;
   std::shared_ptr<bool> stopped_ = std::make_shared<bool>(false);  ///< outlived by a call that is due
   bool told_ = false;                                              ///< that it cannot be made

@@ -83,6 +83,21 @@ class Folder(RingTest):
                 self.assertLess(os.path.getsize(log), 10000)
                 self.assertEqual(self.ctl('down', self.ring).returncode, 0)
 
+    def test_its_log_stays_small_while_a_cpu_writes_as_fast_as_it_can(self):
+        script = self.script('talks', 'for i in $(seq 100); do head -c 4000000 /dev/zero; sleep 0.01; done\n'
+                             'exec %s\n' % program('limb_firmware'))
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': [script]}
+        config = self.write_ring(nodes, timeouts={'cpu_boot': '60s'})
+        up = self.start('up', [program('ringctl'), 'up', config, '--detach', '--timeout', '60'])
+        log = os.path.join(self.ring_folder(), '1.log')
+        longest = 0
+        while up.poll() is None:  # the CPU has booted then
+            longest = max(longest, os.path.exists(log) and os.path.getsize(log))
+        self.assertEqual(up.returncode, 0, self.log_of(up))
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.assertLess(longest, 60000000, 'of 400 million bytes')
+
     def test_without_runtime_folder_one_of_ones_own_below_the_temporary_one(self):
         del self.environment['XDG_RUNTIME_DIR']
         self.environment['TMPDIR'] = self.folder
