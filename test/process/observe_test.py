@@ -1,6 +1,7 @@
 """Clients that see the packets on a node's lines, as fast or as slow as they read."""
 
 import os
+import signal
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -14,6 +15,15 @@ def fields(packet):
     data = packet.bytes
     return {'kind': 'interrupt' if data[0] & 0x20 else 'data', 'hop': data[2], 'source': data[3],
             'destination': data[-6], 'last': data[-5], 'payload': data[4:-8]}
+
+
+class Events(RingTest):
+    def test_are_printed_until_ctrl_c_which_is_a_good_end(self):
+        self.start_ring(plain_nodes(2))
+        observe = self.start('observe', [ring_process.program('ringctl'), '--ring', self.ring, 'observe', '0'])
+        self.wait('it observes', lambda: self.log_of(observe))
+        observe.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(observe), 0)
 
 
 class Packets(RingTest):

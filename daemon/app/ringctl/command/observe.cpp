@@ -12,6 +12,7 @@
 #include "cli/values.h"
 #include "client/event_kinds.h"
 #include "config/names.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -29,8 +30,10 @@ void print_lost(const ObservedLost& lost) {
 
 /// Lines until `count` are out (0: without end), nobody reads them, or the daemon is gone.
 int print_lines(HostPort& port, std::uint64_t count) {
+  const process::SignalWait signals;
   for (std::uint64_t lines = 0; app::is_output_read() && (count == 0 || lines < count);) {
-    const auto message = port.receive(std::chrono::seconds(1));
+    const auto message = port.receive(process::SignalWait::kTick);
+    if (process::SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) return kDone;
     if (!message) continue;
     if (const auto* seen = std::get_if<Observed>(&*message)) {
       const auto event = nlohmann::json::parse(seen->json, nullptr, /*allow_exceptions=*/false);
