@@ -50,6 +50,7 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     constexpr const char* kRule = "a request is a JSON object {\"do\": \"...\", ...}";
     const Json request = object_in(text, kRule);
     if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRule);
+    require_known_members(request);
     const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
     if (fault_handler != fault_handlers.end()) return fault_handler->second(to_.faults, request, answer);
     if (request["do"] == "stop_latched") return stop_latched(request, of_cpu, answer);

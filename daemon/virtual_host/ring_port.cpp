@@ -73,6 +73,7 @@ void RingPort::on_request(host::ClientId client, const client::JsonRequest& requ
   try {
     const json what =
         runtime::object_in(std::string(request.json), "a request is a JSON object {\"do\": \"...\", ...}");
+    if (what.contains("do") && what["do"].is_string()) runtime::require_known_members(what);
     if (what.value("do", json()) == "fault") return begin_fault(what, answer);
     answer_of_clock(what, answer);
   } catch (const std::exception& error) {

@@ -20,6 +20,13 @@ class Tools(RingTest):
             self.assertEqual({r.outcome for r in results}, {'delivered'})
             self.assertIsNone(client.receive(0.05))
 
+    def test_a_request_with_an_unknown_member_is_refused_by_name(self):
+        self.start_ring(plain_nodes(2))
+        port = self.port(0)
+        self.assert_refused("ping: 'size_bytes' is unknown; it takes: count, deadline_ms, duration_ms, interval_us, "
+                            'priority, size, to', port, {'do': 'ping', 'to': 1, 'size_bytes': 5})
+        self.assert_refused("status: 'node' is unknown; it takes nothing", port, {'do': 'status', 'node': 1})
+
     def test_client_that_leaves_takes_its_sends_along(self):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = 'attached'  # absent: refuses, so sends wait
