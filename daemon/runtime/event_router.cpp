@@ -17,6 +17,7 @@ void EventRouter::on_round_end() {
   to_.folder.note_boot(controller.membership().boot());
   if (controller.received_waiting() != 0) to_.cpu.hand_over();
   to_.observers.tell_changes(to_.driver);
+  to_.lately_damaged.look(to_.driver.now(), to_.driver.controller().counters());
 }
 
 void EventRouter::on_link(std::string_view what) {

@@ -4,8 +4,10 @@
 #include "runtime/cpu_socket.h"
 #include "runtime/daemon_interrupts.h"
 #include "runtime/faults.h"
+#include "runtime/lately_damaged.h"
 #include "runtime/node_driver.h"
 #include "runtime/node_folder.h"
+
 #include "runtime/observers.h"
 #include "runtime/pin_board.h"
 #include "runtime/round_trips.h"
@@ -34,6 +36,7 @@ class EventRouter final : public DriverListener {
     Faults& faults;
     RoundTrips& round_trips;
     Observers& observers;
+    LatelyDamaged& lately_damaged;
   };
   explicit EventRouter(const Receivers& receivers) : to_(receivers) {}
 

@@ -102,6 +102,7 @@ class Node {
   Faults faults_;
   std::optional<RingSupervisor> supervisor_;  ///< none where another node is the ring's supervisor
   RoundTrips round_trips_;
+  LatelyDamaged lately_damaged_;
   Requests requests_;
   FolderWatch folder_watch_;
 };

@@ -160,6 +160,14 @@ json heard_json(const StatusSources& from) {
   return heard;
 }
 
+json lately_damaged_json(const StatusSources& from) {
+  const LatelyDamaged::Counts lately = from.lately_damaged.counts(from.driver.now());
+  return {{"within_s", LatelyDamaged::kWindow.count()},
+          {"oldest_s", std::chrono::duration<double>(lately.oldest).count()},
+          {"crc_errors", lately.crc_errors},
+          {"returns_damaged", lately.returns_damaged}};
+}
+
 json supervisor_json(const StatusSources& from) {
   const Watchdog& watcher = from.supervisor->watchdog();
   json watched = json::array();
@@ -213,6 +221,7 @@ json status_row(const StatusSources& from) {
            {"faults", from.faults.list()},
            {"refusals", refusals_json(from)},
            {"counters", counters_json(from)},
+           {"lately_damaged", lately_damaged_json(from)},
            {"heard", heard_json(from)}};
   if (driver.has_second_line()) row["fold"] = fold_json(driver);
   if (from.supervisor) row["supervisor"] = supervisor_json(from);

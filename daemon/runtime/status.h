@@ -7,6 +7,8 @@
 #include "host/host_server.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/faults.h"
+
+#include "runtime/lately_damaged.h"
 #include "runtime/node_driver.h"
 #include "runtime/ring_supervisor.h"
 #include "runtime/round_trips.h"
@@ -22,6 +24,7 @@ struct StatusSources {
   const host::HostServer& host;
   Faults& faults;
   const RoundTrips& round_trips;
+  const LatelyDamaged& lately_damaged;
   const std::optional<RingSupervisor>& supervisor;  ///< none where another node is the ring's supervisor
 };
 

@@ -52,6 +52,13 @@ class Lines(FaultTest):
         self.assertIn('noisy line node0 -> node1: 3 packets came in damaged', text)
         self.assertEqual(text.count('noisy line'), 1, text)
 
+    def test_no_line_is_blamed_for_what_a_node_that_was_started_again_had_passed_on(self):
+        self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
+        self.fault('corrupt', 'node0:node1', '--once-in', 2, '--packets', 3)
+        self.wait('three packets hit', lambda: self.ping(0, 2) and not self.listed())
+        self.fault('power_cycle', 'node1')
+        self.assertNotIn('noisy line', self.ctl('status').stdout)
+
     def test_truncated_and_doubled_packets_are_neither_lost_nor_taken_twice(self):
         self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
         received = self.row(2)['received']

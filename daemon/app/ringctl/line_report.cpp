@@ -1,6 +1,7 @@
 #include "app/ringctl/line_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -59,25 +60,33 @@ std::string broken_second_lines(const std::vector<json>& rows) {
 /// Tolerance of noisy_line(): one in so many of a node's damaged packets may not have reached the next node yet.
 constexpr std::int64_t kUnderWay = 8;
 
-std::int64_t counted(const json& row, const char* name) { return row["counters"].value(name, std::int64_t{0}); }
-
-/// Damaged packets that a node has passed on: all but its own, which end there.
-std::int64_t passed_on_damaged(const std::vector<json>& rows, const json& id) {
-  for (const json& row : rows)
-    if (row["id"] == id) return counted(row, "crc_errors") - counted(row, "returns_damaged");
-  return 0;
+std::int64_t lately(const json& row, const char* name) {
+  return row.value("lately_damaged", json::object()).value(name, std::int64_t{0});
 }
 
-/// A damaged packet is counted at every input that it reaches, so those that the previous node passed on are deducted.
-/// The rows are not of one instant, so a few packets may have been counted at one node but not yet at the next.
+/// A node that has been started since does not know any more which of them it has passed on.
+bool may_have_passed_on(const json& from, const json& row) {
+  return from.value("uptime_s", HUGE_VAL) <= row["lately_damaged"].value("oldest_s", 0.0);
+}
+
+/// A damaged packet is counted at every input that it reaches, so those that the previous node passed on are deducted:
+/// all but its own, which end there. The rows are not of one instant, so a few packets may have been counted at one
+/// node but not yet at the next.
 std::string noisy_line(const std::vector<json>& rows, const json& row) {
   if (!has(row, "input") || row["input"]["from"].is_null()) return {};
   const json& from = row["input"]["from"];
-  const std::int64_t seen = counted(row, "crc_errors");
-  const std::int64_t damaged = seen - passed_on_damaged(rows, from);
+  const std::int64_t seen = lately(row, "crc_errors");
+  if (seen == 0) return {};
+  std::int64_t damaged = seen;
+  for (const json& other : rows) {
+    if (other["id"] != from) continue;
+    if (may_have_passed_on(other, row)) return {};
+    damaged -= lately(other, "crc_errors") - lately(other, "returns_damaged");
+  }
   if (damaged <= seen / kUnderWay) return {};
   return "noisy line " + line_name(rows, from, row["id"]) + ": " +
-         app::counted(static_cast<std::uint64_t>(damaged), "packet") + " came in damaged\n";
+         app::counted(static_cast<std::uint64_t>(damaged), "packet") + " came in damaged in the last " +
+         row["lately_damaged"]["within_s"].dump() + " s\n";
 }
 
 /// Both ends of a line may report a refusal, for the first and the second line. One report per pair of nodes is enough.

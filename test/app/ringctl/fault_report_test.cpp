@@ -51,6 +51,12 @@ std::vector<json> three_nodes() {
   return rows;
 }
 
+/// Of them the first 8 s ago.
+void came_damaged(json& row, unsigned crc_errors, unsigned returns_damaged) {
+  row["lately_damaged"] = {
+      {"within_s", 10}, {"oldest_s", 8.0}, {"crc_errors", crc_errors}, {"returns_damaged", returns_damaged}};
+}
+
 TEST(LineReport, IsEmptyWhereAllIsWell) { EXPECT_EQ(line_report(three_nodes()), ""); }
 
 TEST(LineReport, BelievesTheNodeBehindABreak) {
@@ -79,17 +85,34 @@ TEST(LineReport, NamesASecondLineThatIsBrokenByTheNextNodeThatIsThere) {
 
 TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {
   std::vector<json> rows = three_nodes();
-  rows[1]["counters"] = {{"crc_errors", 6}, {"returns_damaged", 2}};  // four went on, two were its own
-  rows[2]["counters"] = {{"crc_errors", 4}, {"returns_damaged", 3}};
-  rows[0]["counters"] = {{"crc_errors", 1}, {"returns_damaged", 1}};
-  EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 6 packets came in damaged\n");
+  came_damaged(rows[1], 6, 2);  // four went on, two were its own
+  came_damaged(rows[2], 4, 3);
+  came_damaged(rows[0], 1, 1);
+  EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 6 packets came in damaged in the last 10 s\n");
+}
+
+TEST(LineReport, SaysNothingOfDamageThatIsOver) {
+  std::vector<json> rows = three_nodes();
+  rows[1]["counters"] = {{"crc_errors", 6}, {"returns_damaged", 6}};
+  came_damaged(rows[1], 0, 0);
+  EXPECT_EQ(line_report(rows), "");
+}
+
+TEST(LineReport, BlamesNoLineForWhatANodeThatWasStartedAgainHadPassedOn) {
+  std::vector<json> rows = three_nodes();
+  came_damaged(rows[2], 40, 40);
+  came_damaged(rows[1], 0, 0);
+  rows[1]["uptime_s"] = 1.5;
+  EXPECT_EQ(line_report(rows), "");
+  rows[1]["uptime_s"] = 8.5;
+  EXPECT_EQ(line_report(rows), "noisy line node1 -> node2: 40 packets came in damaged in the last 10 s\n");
 }
 
 TEST(LineReport, TakesAFewThatAreUnderWayForNoNoiseOfTheNextLine) {
   std::vector<json> rows = three_nodes();
-  rows[1]["counters"] = {{"crc_errors", 47}, {"returns_damaged", 1}};
-  rows[2]["counters"] = {{"crc_errors", 48}, {"returns_damaged", 48}};
-  EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 47 packets came in damaged\n");
+  came_damaged(rows[1], 47, 1);
+  came_damaged(rows[2], 48, 48);
+  EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 47 packets came in damaged in the last 10 s\n");
 }
 
 TEST(LineReport, TellsFaultsOnPurpose) {
