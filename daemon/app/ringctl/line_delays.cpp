@@ -1,6 +1,18 @@
 #include "app/ringctl/line_delays.h"
 
+#include <algorithm>
+
 namespace limb_ring::ringctl {
+
+namespace {
+
+/// Nothing arrives before it was sent: what is below 0 says by how much the latches are wrong.
+void clamp(double& us, double& uncertain_us) {
+  uncertain_us = std::max(uncertain_us, -us);
+  us = std::max(us, 0.0);
+}
+
+}  // namespace
 
 LineDelays line_delays(const std::vector<std::optional<std::int64_t>>& latches_ns,
                        const std::vector<std::string>& hosts, std::size_t source, double round_trip_us) {
@@ -15,6 +27,7 @@ LineDelays line_delays(const std::vector<std::optional<std::int64_t>>& latches_n
       const double home_us = to == source ? round_trip_us : 0;  // it has latched when the interrupt left
       line.us = static_cast<double>(*latches_ns[to] - *latches_ns[from]) / 1000.0 + home_us;
       all.between_hosts_us -= *line.us;
+      clamp(*line.us, all.uncertain_us);
     } else {
       ++all.between_hosts;
     }
@@ -22,6 +35,7 @@ LineDelays line_delays(const std::vector<std::optional<std::int64_t>>& latches_n
     from = to;
   }
   if (all.between_hosts == 0) all.between_hosts_us = 0;
+  clamp(all.between_hosts_us, all.uncertain_us);
   return all;
 }
 

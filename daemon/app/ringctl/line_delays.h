@@ -19,6 +19,9 @@ struct LineDelays {
   std::vector<LineDelay> lines;
   unsigned between_hosts = 0;   ///< how many of them lead from one clock to another
   double between_hosts_us = 0;  ///< of all these together: the round trip less what is known
+  /// By so much at least the times are wrong; 0: not known. A node may latch after it has passed the interrupt on, and
+  /// the source latches before the interrupt leaves; a time that comes out below 0 tells how late, or how early.
+  double uncertain_us = 0;
 };
 
 /// Two latches on one host are by the same clock, so their difference is a one-way delay. Between hosts it also

@@ -221,6 +221,15 @@ TEST(LineDelays, BetweenHostsOnlyTheSumIsKnownWhateverTheOtherClockSays) {
   EXPECT_THAT(delays.between_hosts_us, DoubleNear(400.0, 1e-9));
 }
 
+TEST(LineDelays, BelowZeroAreNoneAndTellHowUncertainTheLatchesAre) {
+  // Node 2 was not run when the interrupt had passed it: 40 us to it, where home it took 30 us in all.
+  const LineDelays delays = line_delays({0, 10'000, 40'000}, {"", "", ""}, 0, 30.0);
+  EXPECT_THAT(*delays.lines[1].us, DoubleNear(30.0, 1e-9));
+  EXPECT_EQ(*delays.lines[2].us, 0.0);
+  EXPECT_THAT(delays.uncertain_us, DoubleNear(10.0, 1e-9));
+  EXPECT_EQ(line_delays({0, 10'000}, {"", ""}, 0, 20.0).uncertain_us, 0.0);
+}
+
 TEST(LineDelays, LeaveOutANodeThatDidNotLatch) {
   const LineDelays delays = line_delays({0, std::nullopt, 20'000}, {"", "", ""}, 0, 30.0);
   ASSERT_EQ(delays.lines.size(), 2u);

@@ -133,6 +133,7 @@ void print_json(const RingAccess& ring, const Sync& sync) {
                  {"round_trip_us", sync.round_trip_us},
                  {"ring_size", sync.ring_size},
                  {"nodes", rows},
+                 {"uncertain_us", sync.delays.uncertain_us},
                  {"between_hosts", {{"lines", sync.delays.between_hosts}, {"sum_us", sync.delays.between_hosts_us}}}};
   std::cout << all.dump(2) << '\n';
 }
@@ -144,6 +145,12 @@ std::string between_hosts_words(const LineDelays& delays) {
          " us each if they are alike; one way alone cannot be known without a shared clock\n";
 }
 
+std::string uncertain_words(const LineDelays& delays) {
+  if (delays.uncertain_us == 0) return {};
+  return "one way times are uncertain by " + app::number(delays.uncertain_us) +
+         " us or more: a node may latch after it has passed the interrupt on\n";
+}
+
 void print_text(const RingAccess& ring, const Sync& sync) {
   std::vector<std::vector<std::string>> table{{"id", "name", "hops", "offset us", "one way us"}};
   for (std::size_t i = 0; i < sync.offsets.size(); ++i) {
@@ -153,7 +160,7 @@ void print_text(const RingAccess& ring, const Sync& sync) {
                      offset ? app::number(*offset) : "-", one_way ? app::number(*one_way) : "-"});
   }
   std::cout << "sync " << sync.outcome << ", round trip " << app::number(sync.round_trip_us) << " us\n"
-            << app::text_table(table) << between_hosts_words(sync.delays);
+            << app::text_table(table) << between_hosts_words(sync.delays) << uncertain_words(sync.delays);
 }
 
 bool all_latched(const Sync& sync) {
