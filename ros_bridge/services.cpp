@@ -98,6 +98,7 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
       stop_calls_(nodes, kStopThreads),
       command_calls_(nodes, kCommandThreads),
       long_calls_(nodes, kLongThreads) {
+  daemon_.asks_only = true;
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
   daemon_.timeout = kServiceConnect;

@@ -27,6 +27,7 @@ json ask_daemon(const ResetQuery& query) {
   options.ring = query.ring;
   options.node = std::to_string(query.from);
   options.timeout = milliseconds(0);
+  options.asks_only = true;
   HostPort port = HostPort::connect(options);
   const json request{{"do", "reset"}, {"node", query.target}, {"timeout_ms", query.timeout.count()}};
   return json::parse(port.ask(request.dump(), query.timeout + kMargin));

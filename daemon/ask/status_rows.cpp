@@ -25,6 +25,7 @@ std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono
     ConnectOptions options;
     options.ring = ring;
     options.node = std::to_string(id);
+    options.asks_only = true;
     options.timeout = std::chrono::milliseconds(0);
     HostPort port = HostPort::connect(options);
     json row = json::parse(port.ask(R"({"do": "status"})", timeout), nullptr, /*allow_exceptions=*/false);

@@ -29,6 +29,7 @@ Connection::Handshake Connection::greet(const ConnectOptions& options, const std
   greeting.role = options.role;
   greeting.restarted_by_owner = options.restarted_by_owner;
   greeting.results_may_wait = options.results_may_wait;
+  greeting.asks_only = options.asks_only;
   greeting.lockstep = options.lockstep && options.role == Role::cpu;
   greeting.pid = static_cast<std::uint32_t>(::getpid());
   greeting.alive_period = alive_period_;

@@ -27,8 +27,9 @@ struct Greeting {
   Role role = Role::tool;
   bool restarted_by_owner = false;
   bool results_may_wait = false;
-  bool lockstep = false;  ///< a virtual clock is to wait for it
-  std::uint32_t pid = 0;  ///< informative; the daemon goes by what the kernel says
+  bool lockstep = false;   ///< a virtual clock is to wait for it
+  bool asks_only = false;  ///< it needs no place for long
+  std::uint32_t pid = 0;   ///< informative; the daemon goes by what the kernel says
   std::chrono::milliseconds alive_period{0};
   std::string_view ring;
 };

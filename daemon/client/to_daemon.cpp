@@ -16,7 +16,7 @@ enum ToDaemonType : std::uint8_t {
   kWaiting
 };
 
-constexpr std::uint8_t kRestartedByOwner = 1, kResultsMayWait = 2, kLockstep = 4;
+constexpr std::uint8_t kRestartedByOwner = 1, kResultsMayWait = 2, kLockstep = 4, kAsksOnly = 8;
 
 std::optional<ToDaemon> read_greeting(FieldReader reader) {
   Greeting message;
@@ -28,6 +28,7 @@ std::optional<ToDaemon> read_greeting(FieldReader reader) {
   message.restarted_by_owner = (flags & kRestartedByOwner) != 0;
   message.results_may_wait = (flags & kResultsMayWait) != 0;
   message.lockstep = (flags & kLockstep) != 0;
+  message.asks_only = (flags & kAsksOnly) != 0;
   message.pid = reader.u32();
   message.alive_period = std::chrono::milliseconds{reader.u32()};
   message.ring = reader.text();
@@ -96,7 +97,8 @@ std::optional<ToDaemon> read_alive(FieldReader reader) {
 
 void append(Bytes& out, const Greeting& message) {
   const int flags = (message.restarted_by_owner ? kRestartedByOwner : 0) |
-                    (message.results_may_wait ? kResultsMayWait : 0) | (message.lockstep ? kLockstep : 0);
+                    (message.results_may_wait ? kResultsMayWait : 0) | (message.lockstep ? kLockstep : 0) |
+                    (message.asks_only ? kAsksOnly : 0);
   FrameWriter(out, kGreeting)
       .u32(kGreetingMagic)
       .u16(message.version)

@@ -14,7 +14,9 @@ const Section<Limits>& limits_section() {
                      "Sends that may wait in a node, per priority; one more is rejected."),
       integer_option("receive_buffers", &Limits::receive_buffers, {1, 65536},
                      "Packets that may wait for a CPU, per priority; one more is refused."),
-      integer_option("clients", &Limits::clients, {1, 1024}, "Programs connected to one host port at a time."),
+      integer_option("clients", &Limits::clients, {1, 1024},
+                     "Programs connected to one host port at a time; the CPU and whoever only asks (ringctl stop) have "
+                     "places beside them."),
   };
   return section;
 }

@@ -59,6 +59,11 @@ std::optional<std::string> HostServer::objection(const client::Greeting& greetin
 }
 
 void HostServer::on(Session& session, const client::Greeting& greeting) {
+  const bool has_kept_place = greeting.asks_only || greeting.role == Role::cpu;
+  if (!has_kept_place && sessions_.size() > options_.max_clients) {
+    ++counters_.refused_full;
+    return disconnect(session.info().id, full());
+  }
   const bool lockstep = options_.turns != nullptr && greeting.lockstep && greeting.role == Role::cpu;
   if (lockstep && greeting.version == client::kHostPortVersion) return attach_later(session, greeting);
   if (attach(session, greeting)) session.put(welcome(options_.turns ? ClockKind::ring : ClockKind::machine));

@@ -70,9 +70,9 @@ void HostServer::admit(process::UniqueFd socket) {
     return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +
                         std::to_string(peer.uid));
   }
-  if (sessions_.size() >= options_.max_clients) {
+  if (sessions_.size() >= options_.max_clients + kKeptPlaces) {
     ++counters_.refused_full;
-    return session->end(whose() + " has " + std::to_string(options_.max_clients) + " clients already (limits.clients)");
+    return session->end(full());
   }
   sessions_.emplace(info.id, session);
   session->start();
@@ -84,6 +84,10 @@ HostServer::SessionPtr HostServer::make_session(process::UniqueFd socket, const 
   return std::make_shared<Session>(io_, std::move(socket), info, owner);
 } catch (const std::system_error&) {
   return nullptr;
+}
+
+std::string HostServer::full() const {
+  return whose() + " has " + std::to_string(options_.max_clients) + " clients already (limits.clients)";
 }
 
 /// "node 3 (left_knee)"

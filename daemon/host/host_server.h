@@ -42,6 +42,10 @@ struct HostOptions {
 /// Knows nothing of the ring; a HostHandler does.
 class HostServer final : private SessionOwner {
  public:
+  /// Beside limits.clients, for those who ask and go and for the CPU: programs that fill all places must not keep a
+  /// stop from the node, nor its CPU.
+  static constexpr unsigned kKeptPlaces = 8;
+
   /// Listens from here on; the caller holds the node's lock.
   /// @throw std::exception naming the path and what is wrong with it
   HostServer(boost::asio::io_context& io, HostOptions options, HostHandler& handler);
@@ -92,6 +96,7 @@ class HostServer final : private SessionOwner {
   void accept();
   void accept_again_later();
   void admit(process::UniqueFd socket);
+  std::string full() const;
   SessionPtr make_session(process::UniqueFd socket, const ClientInfo& info);
   void on_message(Session& session, const client::ToDaemon& message) override;
   void on_end(Session& session, End end) override;

@@ -70,6 +70,7 @@ HostPort RunningDaemons::connect(wire::NodeId id) const {
   ConnectOptions options;
   options.ring = ring_;
   options.node = node(id).number;
+  options.asks_only = true;
   options.timeout = milliseconds(0);
   return HostPort::connect(options);
 }
@@ -90,6 +91,7 @@ json RunningDaemons::ask_ring(const json& request) const {
   ConnectOptions options;
   options.ring = ring_;
   options.node = std::to_string(wire::kBroadcast);
+  options.asks_only = true;
   options.timeout = milliseconds(0);
   HostPort port = HostPort::connect(options);
   return ask_through(port, request, kAnswer);

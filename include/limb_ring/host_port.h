@@ -111,6 +111,9 @@ struct ConnectOptions {
   /// A Result may come up to 20 ms late, with the next packet or whatever else comes: for programs that send at a fixed
   /// rate and wait for no Result. It spares both processes a wake-up per send.
   bool results_may_wait = false;
+  /// Asks for something and goes, as ringctl's status and stop do: there is a place for it where limits.clients are
+  /// taken. As for a CPU, which has such a place, too.
+  bool asks_only = false;
   /// role cpu, on a ring with a virtual clock (`ringctl up --clock virtual`): its time goes on only while this program
   /// waits, in receive(), wait(), ask() or sleep_until(). False: it does not wait for this program, as it does for no
   /// tool; for a CPU that waits elsewhere, such as in poll().

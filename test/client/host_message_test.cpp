@@ -68,6 +68,13 @@ TEST(HostMessage, GreetingComesThrough) {
   EXPECT_EQ(read.pid, 4711u);
   EXPECT_EQ(read.alive_period, milliseconds{70000});
   EXPECT_EQ(read.ring, "humanoid");
+  EXPECT_FALSE(read.asks_only);
+}
+
+TEST(HostMessage, GreetingOfWhoOnlyAsksComesThrough) {
+  Greeting greeting;
+  greeting.asks_only = true;
+  EXPECT_TRUE(to_daemon<Greeting>(encoded(greeting)).asks_only);
 }
 
 TEST(HostMessage, GreetingOfALaterVersionIsReadAsFarAsItsVersion) {

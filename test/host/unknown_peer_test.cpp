@@ -172,6 +172,16 @@ TEST_F(UnknownPeer, BeyondTheLimitOfClientsIsToldTheLimit) {
   expect_still_serving();
 }
 
+TEST_F(UnknownPeer, WhoOnlyAsksAndTheCpuHaveAPlaceBeyondTheLimit) {
+  const HostPort one = tool(), two = tool(), three = tool(), four = tool();
+  const HostPort its_cpu = cpu();
+  ConnectOptions asking = options_for(Role::tool);
+  asking.asks_only = true;
+  std::vector<HostPort> kept;
+  while (kept.size() + 1 < host::HostServer::kKeptPlaces) kept.push_back(connect(asking));
+  EXPECT_THAT(test::thrown<HostPortError>([&] { connect(asking); }), HasSubstr("limits.clients"));
+}
+
 TEST_F(UnknownPeer, OfAnotherUserIsRefused) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
   for (const std::string& path : {folder.path(), rings_directory(), ring_directory("r")}) {

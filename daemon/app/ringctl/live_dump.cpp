@@ -54,7 +54,7 @@ LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, c
   std::string problem;
   for (const NodeName& node : nodes) {
     try {
-      sources_.emplace_back(ring.connect(node));
+      sources_.emplace_back(ring.connect(node, Stay::for_long));
       sources_.back().port.observe(order.dump());
     } catch (const HostPortError& error) {
       problem = error.what();

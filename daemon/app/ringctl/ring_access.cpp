@@ -99,6 +99,7 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
   if (killed != 0)
     throw NoRing("no daemon of ring " + ring + " answers: " + app::counted(killed, "node") +
                  " killed on purpose; 'ringctl fault clear' starts what was killed");
+  if (!live::held_nodes(folder).empty()) throw NoRing("ring " + ring + " runs, but no daemon of it answers: " + why);
   std::vector<std::string> others = running_rings();
   others.erase(std::remove(others.begin(), others.end(), ring), others.end());
   throw NoRing("ring " + ring + " does not run: " + why + (others.empty() ? "" : "; running: " + config::join(others)));
@@ -157,9 +158,9 @@ std::vector<ask::Node> RingAccess::ask_nodes() const {
   return nodes;
 }
 
-HostPort RingAccess::connect(const NodeName& node) const {
+HostPort RingAccess::connect(const NodeName& node, Stay stay) const {
   require_here(node);
-  return connect_node(ring(), std::to_string(node.id));
+  return connect_node(ring(), std::to_string(node.id), stay);
 }
 
 }  // namespace limb_ring::ringctl

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/ringctl/connect_node.h"
 #include "app/ringctl/node_name.h"
 #include "ask/status_rows.h"
 #include "limb_ring/host_port.h"
@@ -65,7 +66,7 @@ class RingAccess {
   /// As node(); for an empty text the node that described the ring.
   const NodeName& source(const std::string& id_or_name) const;
   /// @throw HostPortError, Elsewhere
-  HostPort connect(const NodeName& node) const;
+  HostPort connect(const NodeName& node, Stay stay = Stay::asks_only) const;
 
  private:
   const NodeName& answered() const { return ring_.nodes[ring_.answered]; }

@@ -28,7 +28,7 @@ void print_lost(const ObservedLost& lost) {
   std::cerr << "ringctl: read too slowly, " << lost.count << " left out" << std::endl;
 }
 
-/// Lines until `count` are out (0: without end), nobody reads them, or the daemon is gone.
+/// Lines until `count` are out (0: without end), Ctrl-C, nobody reads them, or the daemon is gone.
 int print_lines(HostPort& port, std::uint64_t count) {
   const process::SignalWait signals;
   for (std::uint64_t lines = 0; app::is_output_read() && (count == 0 || lines < count);) {
@@ -51,7 +51,7 @@ int print_lines(HostPort& port, std::uint64_t count) {
 
 int run(const Context& context, const ObserveOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.node);
-  HostPort port = ring.connect(ring.node(options.node));
+  HostPort port = ring.connect(ring.node(options.node), Stay::for_long);
   nlohmann::json filter = nlohmann::json::object();
   if (!options.kinds.empty()) filter["kinds"] = options.kinds;
   port.observe(filter.dump());

@@ -45,7 +45,7 @@ int run(const Context& context, const PingOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const PingOrder order = order_of(ring, options);
   const NodeName& from = ring.source(options.from);
-  HostPort port = ring.connect(from);
+  HostPort port = ring.connect(from, Stay::for_long);
   const bool lines = !options.quiet && !options.json;
   if (!options.json)
     std::cout << "PING " << label(order.to) << " from " << label(from) << ": " << order.size << " bytes of data"

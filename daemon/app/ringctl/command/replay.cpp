@@ -49,7 +49,7 @@ class Replay {
   Replay(const RingAccess& ring, const ReplayPlan& plan) : plan_(plan), progress_(ring.ring()) {
     for (const ReplaySend& send : plan.sends)
       if (ports_.count(send.source) == 0)
-        ports_.emplace(send.source, ring.connect(ring.node(std::to_string(send.source))));
+        ports_.emplace(send.source, ring.connect(ring.node(std::to_string(send.source)), Stay::for_long));
     for (const auto& [node, port] : ports_) waiting_.push_back({port.fd(), POLLIN, 0});
   }
 

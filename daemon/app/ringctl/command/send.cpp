@@ -46,7 +46,7 @@ int run(const Context& context, const SendOptions& options) {
   const std::vector<std::uint8_t> data = checked_data(options);
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const std::uint8_t to = ring.destination(options.to);
-  HostPort port = ring.connect(ring.node(options.from));
+  HostPort port = ring.connect(ring.node(options.from), Stay::for_long);
   const auto send = [&] {
     return port.send(to, data, static_cast<std::uint8_t>(options.priority), static_cast<std::uint8_t>(options.channel));
   };

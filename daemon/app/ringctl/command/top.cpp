@@ -66,7 +66,7 @@ class StatusPoll {
     if (ring_.is_elsewhere(node)) return std::nullopt;                                // its beacons are heard here
     if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
     try {
-      if (!ports_[index]) ports_[index] = ring_.connect(node);
+      if (!ports_[index]) ports_[index] = ring_.connect(node, Stay::for_long);
       return ports_[index]->request(R"({"do": "status"})");
     } catch (const HostPortError&) {
       return std::nullopt;  // it is down, and asked again next time

@@ -91,7 +91,7 @@ std::string LiveNodes::last_lines(std::size_t place) const {
 void LiveNodes::connect(std::size_t place) {
   Node& node = nodes_[place];
   try {
-    node.port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[place].id)));
+    node.port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[place].id), Stay::for_long));
     node.port->observe(json{{"kinds", {"pin"}}}.dump());
   } catch (const HostPortError&) {
     node.port.reset();  // not there yet: the next poll() tries again

@@ -1,0 +1,78 @@
+"""A node all of whose places for clients are taken."""
+
+import socket
+import struct
+
+import ring_process
+from ring_process import RingTest, plain_nodes
+
+ASKS_ONLY = 8
+
+
+class FullPort(RingTest):
+    def fill(self, node):
+        """Takes its two places."""
+        for _ in range(2):
+            self.port(node)
+
+    def fill_kept_places(self, node):
+        """Takes all places there are, also those that are kept for who only asks."""
+        body = struct.pack('>IHBBIIH', 0x4C524850, 3, 0, ASKS_ONLY, 0, 0, 0)
+        for _ in range(100):
+            client = socket.socket(socket.AF_UNIX)
+            self.addCleanup(client.close)
+            client.settimeout(ring_process.GUARD)
+            client.connect(self.socket_of(node))
+            try:
+                client.sendall(struct.pack('>IB', 1 + len(body), 1) + body)
+                answer = client.recv(5)
+            except OSError:  # refused before it has greeted
+                return
+            if answer[4] == 0x82:  # refused
+                return
+        self.fail('node %s takes any number of clients' % node)
+
+    def test_can_still_be_asked_and_stopped(self):
+        self.start_ring(plain_nodes(3), limits={'clients': 2})
+        for node in range(3):
+            self.fill(node)
+        status = self.ctl('--ring', self.ring, 'status')
+        self.assertEqual(status.returncode, 0, status.stderr)
+        self.assertNotIn('down', status.stdout)
+        self.assertEqual(self.ctl('--ring', self.ring, 'wait', 'up').returncode, 0)
+        stop = self.ctl('--ring', self.ring, 'stop')
+        self.assertIn("the stop ended 'delivered'", stop.stdout, stop.stderr)
+
+    def test_others_are_told_the_limit(self):
+        self.start_ring(plain_nodes(2), limits={'clients': 2})
+        self.fill(0)
+        ping = self.ctl('--ring', self.ring, 'ping', '--from', 0, 1)
+        self.assertEqual(ping.returncode, 3)
+        self.assertIn('has 2 clients already (limits.clients)', ping.stderr)
+
+    def test_takes_its_cpu_all_the_same(self):
+        nodes = plain_nodes(2)
+        nodes[0]['cpu'] = 'attached'
+        self.start_ring(nodes, limits={'clients': 2})
+        self.fill(0)
+        self.port(0, role='cpu')
+
+    def test_a_ring_of_which_no_daemon_can_be_asked_is_said_to_run(self):
+        self.start_ring(plain_nodes(2), limits={'clients': 2})
+        for node in range(2):
+            self.fill_kept_places(node)
+        for command in 'status', 'stop':
+            done = self.ctl('--ring', self.ring, command)
+            self.assertEqual(done.returncode, 3)
+            self.assertRegex(done.stderr, 'ring %s runs, but no daemon of it answers: .* has 2 clients already'
+                             % self.ring)
+
+    def test_a_stop_goes_from_another_node(self):
+        self.start_ring(plain_nodes(2), limits={'clients': 2})
+        self.fill_kept_places(0)
+        stop = self.ctl('--ring', self.ring, 'stop')
+        self.assertIn("the stop ended 'delivered'", stop.stdout, stop.stderr)
+
+
+if __name__ == '__main__':
+    ring_process.main()
