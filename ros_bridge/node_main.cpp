@@ -62,6 +62,7 @@ bool asks_for_man_page(int argc, char** argv) { return argc == 2 && std::strcmp(
 
 int run_node(int argc, char** argv, const NodeProgram& program) {
   process::open_standard_descriptors();
+  process::outlive_file_limit();
   if (asks_for_help(argc, argv)) {
     std::cout << program.help << kExitCodes;
     return cli::code_with_output(program.name, 0);

@@ -43,6 +43,7 @@ int run_cpu(const firmware::Options& options) {
 
 int main(int argc, char** argv) try {
   process::open_standard_descriptors();
+  process::outlive_file_limit();
   const auto options = firmware::parse_options(argc, argv);
   if (options.print.empty()) return run_cpu(options);
   std::cout << options.print;

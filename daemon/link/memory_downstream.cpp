@@ -3,6 +3,11 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
 #include "link/unix_socket.h"
 
 namespace limb_ring::link {
@@ -13,6 +18,9 @@ MemoryDownstream::MemoryDownstream(boost::asio::io_context& io, std::string path
 
 bool MemoryDownstream::greet(const LinkHeader& connect) {
   memory_ = QueueMemory::make(capacity_);
+  // A limit on files (ulimit -f) stays as it is, so this is no attempt to be made again: it ends the daemon.
+  if (!memory_ && errno == EFBIG)
+    throw std::runtime_error(std::string("cannot make the queue of a line: ") + std::strerror(errno));
   wake_.reset(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
   if (!memory_ || !wake_.valid()) {
     ++counters().queue_unavailable;

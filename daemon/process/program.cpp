@@ -1,6 +1,7 @@
 #include "process/program.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -24,8 +25,14 @@ constexpr off_t kLastWords = 4096;  // bytes
 }
 
 /// Reserves room on the disk without writing: where the disk gets full, the program can still say why it ends.
-/// Not all file systems can; on those the program has what is left.
+/// Not all file systems can; on those the program has what is left. A limit on files (ulimit -f) that leaves no such
+/// room is refused everywhere: not all file systems look at it here.
 void reserve_last_words(int log, const std::string& path) {
+  rlimit most{};
+  if (::getrlimit(RLIMIT_FSIZE, &most) == 0 && most.rlim_cur < static_cast<rlim_t>(kLastWords)) {
+    errno = EFBIG;
+    cannot_write(path);
+  }
   if (::fallocate(log, FALLOC_FL_KEEP_SIZE, 0, kLastWords) != 0 && (errno == ENOSPC || errno == EDQUOT))
     cannot_write(path);
 }

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <initializer_list>
 
 namespace limb_ring::process {
@@ -12,5 +13,7 @@ void open_standard_descriptors() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(fd, F_GETFD) < 0) ::open("/dev/null", O_RDWR);
 }
+
+void outlive_file_limit() { std::signal(SIGXFSZ, SIG_IGN); }
 
 }  // namespace limb_ring::process

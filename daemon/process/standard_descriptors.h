@@ -7,4 +7,8 @@ namespace limb_ring::process {
 /// programs started from here have them, too.
 void open_standard_descriptors();
 
+/// Ignores the signal that ends a process whose file gets longer than it may (ulimit -f): writing fails then, and that
+/// is reported. Programs started by spawn() and execute() do not inherit it.
+void outlive_file_limit();
+
 }  // namespace limb_ring::process

@@ -112,6 +112,7 @@ int complain(const char* what, int code) {
 
 int main(int argc, char** argv) {
   process::open_standard_descriptors();
+  process::outlive_file_limit();
   std::signal(SIGPIPE, SIG_IGN);
   try {
     const auto options = ringd::parse_options(argc, argv);
