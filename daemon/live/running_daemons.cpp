@@ -65,7 +65,16 @@ const fault::NamedNode& RunningDaemons::node(wire::NodeId id) const {
   return *std::find_if(nodes_.begin(), nodes_.end(), [id](const auto& node) { return node.id == id; });
 }
 
+HostPortError RunningDaemons::no_daemon(wire::NodeId id) const {
+  return HostPortError("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
+}
+
+void RunningDaemons::require_runs(wire::NodeId id) const {
+  if (!holder(id).held) throw no_daemon(id);
+}
+
 HostPort RunningDaemons::connect(wire::NodeId id) const {
+  require_runs(id);
   if (is_frozen(id)) throw NotDone("node " + node(id).name + " is frozen: its daemon does not answer; thaw it first");
   ConnectOptions options;
   options.ring = ring_;
@@ -118,14 +127,14 @@ bool RunningDaemons::done_in_virtual_ring(fault::Name what, wire::NodeId id) con
 // The pid is that of the lock's holder: no other process is hit.
 void RunningDaemons::signal(wire::NodeId id, int number) const {
   const Holder holder = this->holder(id);
-  if (!holder.held || holder.pid <= 0)
-    throw HostPortError("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
+  if (!holder.held || holder.pid <= 0) throw no_daemon(id);
   if (::kill(holder.pid, number) != 0)
     throw NotDone("node " + node(id).name + ": pid " + std::to_string(holder.pid) + ": " + std::strerror(errno));
 }
 
 void RunningDaemons::kill(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::kill, id)) return;
+  require_runs(id);
   const pid_t pid = holder(id).pid;
   const std::string problem = write_killed(folder_, id, pid);
   if (!problem.empty()) throw NotDone("node " + node(id).name + ": " + problem);

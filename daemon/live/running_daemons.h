@@ -30,6 +30,8 @@ class RunningDaemons {
   Holder holder(wire::NodeId node) const { return holder_of(folder_, node); }
   bool is_frozen(wire::NodeId node) const;
 
+  /// @throw HostPortError where its daemon does not
+  void require_runs(wire::NodeId node) const;
   HostPort connect(wire::NodeId node) const;
   nlohmann::json ask(wire::NodeId node, const nlohmann::json& request) const;
   /// The same where the answer comes once the node's CPU has booted: it may take as long as the ring's file says.
@@ -55,6 +57,7 @@ class RunningDaemons {
   void wait_for_hello(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
 
  private:
+  HostPortError no_daemon(wire::NodeId node) const;
   std::uint64_t boot_of(wire::NodeId node) const;
   bool has_joined(wire::NodeId node) const;
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout) const;

@@ -21,7 +21,9 @@ class Nodes(FaultTest):
         self.wait_closed([0, 1, 3])
         self.assertEqual(self.listed()['node2.kill']['fault'], 'kill node2')
         self.assertIn('fault on purpose node2.kill: kill node2', self.ctl('status').stdout)
-        self.assertIn('no daemon', self.fault('freeze', 'node2', code=3))
+        for word in ('kill', 'freeze', 'thaw', 'power_cycle', 'hang', 'reset'):
+            self.assertIn('node node2 of ring %s has no daemon on this host that runs' % self.ring,
+                          self.fault(word, 'node2', code=3), word)
         self.fault('start', 'node2')
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
@@ -45,7 +47,7 @@ class Nodes(FaultTest):
         self.begin('kill', 'all')
         self.assertEqual(sorted(self.listed()), ['node0.kill', 'node1.kill', 'node2.kill'])
         self.assertIn('3 nodes killed on purpose', self.ctl('status').stderr)
-        self.assertIn('cannot connect', self.fault('cut', 'node0:node1', code=3))
+        self.assertIn('node0 of ring %s has no daemon' % self.ring, self.fault('cut', 'node0:node1', code=3))
         self.fault('remove', 'node1.kill')
         self.assertEqual(sorted(self.listed()), ['node0.kill', 'node2.kill'])
         self.assertIn('3 nodes up', self.fault('clear'))

@@ -26,13 +26,30 @@ class Nodes(VirtualTest, FaultTest):
         self.assertRegex(status, r'(?m)^ *2 +node2 +down ')
         self.assertIn('fault on purpose node2.kill: kill node2', status)
         self.assertEqual(self.ctl_json('list')[0]['nodes'], 3)
-        for word in ('freeze', 'thaw', 'kill', 'power_cycle'):
-            self.assertIn('dead', self.fault(word, 'node2', code=1))
+        for word in ('freeze', 'thaw', 'kill', 'power_cycle', 'hang'):
+            self.assertIn('node node2 of ring %s has no daemon on this host that runs' % self.ring,
+                          self.fault(word, 'node2', code=3), word)
         self.fault('start', 'node2')
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
         self.assertGreater(self.row(2)['boot'], boot)
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
+
+    def test_of_all_nodes_those_are_killed_that_live(self):
+        self.up(plain_nodes(3))
+        self.begin('kill', 'node2')
+        said = self.fault('kill', 'all', code=3)
+        self.assertIn('node node2 of ring %s has no daemon' % self.ring, said)
+        self.assertEqual(sorted(self.listed()), ['node0.kill', 'node1.kill', 'node2.kill'])
+
+    def test_clearing_says_that_the_clock_stands(self):
+        self.up(plain_nodes(3))
+        self.begin('kill', 'node2')
+        self.assertEqual(self.ctl('pause').returncode, 0)
+        said = self.ctl('fault', 'clear', '--timeout', 1)
+        self.assertEqual(said.returncode, 1)
+        self.assertIn('the virtual clock of ring %s stands' % self.ring, said.stderr)
+        self.assertNotIn('{', said.stderr)
 
     def test_its_cpu_dies_with_it_and_another_one_boots(self):
         self.up(self.limbs())

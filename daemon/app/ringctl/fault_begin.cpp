@@ -42,6 +42,22 @@ std::exception_ptr problem_of(const std::vector<AtNode>& failed) {
   return no_daemons ? std::make_exception_ptr(HostPortError(text)) : std::make_exception_ptr(NotDone(text));
 }
 
+/// Leaves out of `fault` the nodes that are dead: for one of them the virtual ring would do nothing at all.
+std::vector<AtNode> take_out_dead(const live::RunningDaemons& daemons, fault::Fault& fault) {
+  std::vector<AtNode> dead;
+  std::vector<wire::NodeId> alive;
+  for (const wire::NodeId node : fault.nodes) {
+    try {
+      daemons.require_runs(node);
+      alive.push_back(node);
+    } catch (const HostPortError& problem) {
+      dead.push_back({std::nullopt, std::current_exception(), problem.what(), true});
+    }
+  }
+  fault.nodes = alive;
+  return dead;
+}
+
 /// The virtual ring does it to all of its nodes at one instant, or to none.
 bool is_done_by_the_ring(const std::string& ring, const fault::Fault& fault) {
   return fault::word_of(fault.name).of == fault::Of::node &&
@@ -53,6 +69,12 @@ bool is_done_by_the_ring(const std::string& ring, const fault::Fault& fault) {
 BegunFaults begin_fault(const std::string& ring, const fault::RingNodes& nodes, const fault::Fault& fault,
                         const live::LiveFaults::Wait& wait) {
   const live::LiveFaults faults(ring, nodes);
+  if (is_done_by_the_ring(ring, fault) && fault.name != fault::Name::start) {
+    fault::Fault of_alive = fault;
+    const std::vector<AtNode> dead = take_out_dead(live::RunningDaemons(ring, nodes), of_alive);
+    if (of_alive.nodes.empty()) return {{}, problem_of(dead)};
+    return {faults.begin(of_alive, wait), problem_of(dead)};
+  }
   if (fault.nodes.size() < 2 || is_done_by_the_ring(ring, fault)) return {faults.begin(fault, wait), nullptr};
   std::vector<AtNode> all(fault.nodes.size());
   process::in_parallel(all.size(), all.size(), [&](std::size_t i) {
