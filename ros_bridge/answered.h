@@ -2,6 +2,7 @@
 
 #include <exception>
 
+#include "live/ring_clock.h"
 #include "ros_bridge/ring_port.h"
 
 namespace limb_ring::bridge {
@@ -14,6 +15,9 @@ bool answered(RingPort& port, Response& response, Call call) {
   try {
     response.success = true;
     call();
+  } catch (const HostPortTimeout& late) {
+    response.success = false;
+    response.message = live::with_standing_clock(late.what(), port.ring());
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();

@@ -64,6 +64,8 @@ class RingPort {
 
   /// Any thread: runs `work` on the ring thread. False where 1024 wait already.
   bool post(std::function<void()> work);
+  /// Any thread.
+  const std::string& ring() const { return options_.ring; }
   /// Any thread: this process is alive; passed on to the daemon.
   void alive() { post_alive_ = true; }
 

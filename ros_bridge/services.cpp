@@ -12,6 +12,7 @@
 #include "config/characters.h"
 #include "config/names.h"
 #include "config/quantity.h"
+#include "live/ring_clock.h"
 #include "ros_bridge/answered.h"
 #include "ros_bridge/outcome_word.h"
 
@@ -46,10 +47,6 @@ milliseconds timeout_of(const ros::Duration& asked, std::chrono::seconds usual) 
                                 "; it must be 0 (for " + std::to_string(usual.count()) +
                                 " s), or 1 ms to 60 s: to rosservice 2 s are {secs: 2}");
   return milliseconds(std::lround(asked.toSec() * 1000));
-}
-
-json answer_to(HostPort& port, const json& question, milliseconds timeout) {
-  return json::parse(port.ask(question.dump(), timeout));
 }
 
 std::invalid_argument would_reset_bridge(const std::string& node, const std::string& instead) {
@@ -98,10 +95,10 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
       stop_calls_(nodes, kStopThreads),
       command_calls_(nodes, kCommandThreads),
       long_calls_(nodes, kLongThreads) {
-  daemon_.asks_only = true;
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
   daemon_.timeout = kServiceConnect;
+  daemon_.asks_only = true;
   stop_calls_.names().advertise("stop", &Services::stop, this);
   command_calls_.names().advertise("send_interrupt", &Services::send_interrupt, this);
   command_calls_.names().advertise("resume", &Services::resume, this);
@@ -160,13 +157,13 @@ bool Services::stop(Stop::Request& request, Stop::Response& response) {
     if (!all) order["node"] = std::to_string(one_node(request.node));
     ask::SentStop sent{ring_.ring, nodes_to_ask(request.node), std::chrono::steady_clock::now(), all};
     auto port = HostPort::connect(daemon_);
-    take_result(answer_to(port, order, timeout), response);
+    take_result(live::ask_for_people(port, order, timeout), response);
     sent.delivered = response.success;
     ask::send_on(sent, port.id(), sent.sent + timeout, [&](std::uint8_t node, milliseconds left) {
       ConnectOptions other = daemon_;
       other.node = std::to_string(node);
       auto other_port = HostPort::connect(other);
-      const json reply = answer_to(other_port, order, left);
+      const json reply = live::ask_for_people(other_port, order, left);
       if (!all) take_result(reply, response);
       return reply.value("outcome", "") == to_string(Outcome::delivered);
     });

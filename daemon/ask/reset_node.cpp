@@ -5,6 +5,7 @@
 
 #include "limb_ring/host_port.h"
 #include "live/not_done.h"
+#include "live/ring_clock.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -26,11 +27,11 @@ json ask_daemon(const ResetQuery& query) {
   ConnectOptions options;
   options.ring = query.ring;
   options.node = std::to_string(query.from);
-  options.timeout = milliseconds(0);
   options.asks_only = true;
+  options.timeout = milliseconds(0);
   HostPort port = HostPort::connect(options);
   const json request{{"do", "reset"}, {"node", query.target}, {"timeout_ms", query.timeout.count()}};
-  return json::parse(port.ask(request.dump(), query.timeout + kMargin));
+  return live::ask_for_people(port, request, query.timeout + kMargin);
 }
 
 // Round a fold nobody reaches all: with two breaks there are two parts.

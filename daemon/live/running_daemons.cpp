@@ -12,6 +12,7 @@
 
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
+#include "live/ring_clock.h"
 #include "process/process_state.h"
 #include "process/program.h"
 #include "process/spawn.h"
@@ -45,9 +46,10 @@ bool has_said_hello(const json& row) {
   return state != "" && state != "starting" && state != "joining";
 }
 
-NotDone not_joined(const std::string& node, milliseconds patience) {
-  return NotDone("node " + node + " was started, but has not joined the ring within " +
-                 std::to_string(patience.count()) + " ms");
+NotDone not_joined(const std::string& ring, const std::string& node, milliseconds patience) {
+  return NotDone(with_standing_clock(
+      "node " + node + " was started, but has not joined the ring within " + std::to_string(patience.count()) + " ms",
+      ring));
 }
 
 }  // namespace
@@ -108,7 +110,9 @@ json RunningDaemons::ask_ring(const json& request) const {
 
 json RunningDaemons::ask_through(HostPort& port, const json& request, milliseconds timeout) const {
   try {
-    return json::parse(port.ask(request.dump(), timeout));
+    return ask_for_people(port, request, timeout);
+  } catch (const HostPortTimeout& late) {
+    throw NotDone(with_standing_clock(late.what(), ring_));
   } catch (const HostPortError& error) {
     if (!port.connected()) throw HostPortError("node " + port.name() + " of ring " + ring_ + ": " + error.what());
     throw NotDone(error.what());  // the daemon's own word
@@ -183,7 +187,7 @@ void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
     throw NotDone("node " + node(id).name + " cannot be started: " + daemon.ended()->text +
                   process::last_lines_of(log));
   keep(std::move(daemon));
-  if (!in_time) throw not_joined(node(id).name, patience);
+  if (!in_time) throw not_joined(ring_, node(id).name, patience);
 }
 
 void RunningDaemons::keep(process::Child daemon) const {
@@ -228,7 +232,7 @@ bool RunningDaemons::has_joined(wire::NodeId id) const {
 }
 
 void RunningDaemons::wait_for_hello(wire::NodeId id, milliseconds patience) const {
-  if (!wait_for([&] { return has_joined(id); }, patience)) throw not_joined(node(id).name, patience);
+  if (!wait_for([&] { return has_joined(id); }, patience)) throw not_joined(ring_, node(id).name, patience);
 }
 
 }  // namespace limb_ring::live

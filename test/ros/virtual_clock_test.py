@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """A controller in lockstep with a virtual ring: the bridge tells the ring's time, and waits for each answer."""
+import subprocess
 import threading
 import unittest
 
 import rospy
 import rostest
+from limb_ring.srv import ResetNode
 from rosgraph_msgs.msg import Clock, Log
 from sensor_msgs.msg import JointState
 
@@ -58,6 +60,16 @@ class VirtualClock(unittest.TestCase):
         controller.on = False
         before = clock.get().clock
         wait_for(lambda: (clock.get().clock - before).to_sec() > 1, 'time that goes on without a controller')
+
+    def test_services_say_that_the_clock_stands(self):
+        ringctl = ['rosrun', 'limb_ring', 'ringctl', '--ring', rospy.get_param('ring_bridge/ring')]
+        rospy.wait_for_service('reset_node', 30)
+        wait_for(lambda: subprocess.call(ringctl + ['pause']) == 0, 'the ring')
+        self.addCleanup(subprocess.call, ringctl + ['run'])
+        answer = rospy.ServiceProxy('reset_node', ResetNode)(node='knee')
+        self.assertFalse(answer.success)
+        self.assertIn('the virtual clock of ring', answer.message)
+        self.assertNotIn('{', answer.message)
 
 
 if __name__ == '__main__':

@@ -3,17 +3,17 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "live/ring_clock.h"
+
 namespace limb_ring::ringctl {
 
-/// What a virtual ring says of its clock (daemon/host/requests.md), with "now_s" for "now_ns". Null where the ring goes
-/// by the machine's clock, or its process does not answer.
-nlohmann::json ring_clock(const std::string& ring);
+using live::ring_clock;
+using live::standing_clock;
 
-/// The same behind a headline: "; virtual clock at 12.345 s, pace 1, 0.020 s late, 3.100 s lost"; empty for null.
+/// What ring_clock() says, behind a headline: "; virtual clock at 12.345 s, pace 1, 0.020 s late, 3.100 s lost"; empty
+/// for null.
 std::string clock_words(const nlohmann::json& clock);
 
-/// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty where it goes.
-std::string standing_clock(const std::string& ring);
 /// To be called when what was asked for has not been answered in time. @throw NotKnown with standing_clock(), where it
 /// stands: it may happen once it goes on
 void require_clock_goes(const std::string& ring);

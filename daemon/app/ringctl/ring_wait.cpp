@@ -7,6 +7,7 @@
 #include "app/ringctl/ring_watch.h"
 #include "app/ringctl/status_rows.h"
 #include "core/events.h"
+#include "live/ring_clock.h"
 #include "process/signal_wait.h"
 #include "wire/control_message.h"
 
@@ -37,6 +38,12 @@ std::vector<json> rows_of(const std::string& ring, std::string& why_none) {
     why_none = none.what();
     return {};
   }
+}
+
+std::string with_clock_of(const std::vector<json>& rows, const std::string& lacking) {
+  for (const json& row : rows)
+    if (row.contains("ring")) return live::with_standing_clock(lacking, row["ring"].get<std::string>());
+  return lacking;
 }
 
 }  // namespace
@@ -78,7 +85,8 @@ std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& 
     std::string lacking;
     const auto rows = rows_of(ring, lacking);
     if (lacking.empty()) lacking = lack(rows);
-    if (lacking.empty() || steady_clock::now() >= deadline) return lacking;
+    if (lacking.empty()) return lacking;
+    if (steady_clock::now() >= deadline) return rows.empty() ? lacking : with_clock_of(rows, lacking);
     if (process::SignalWait::asks_to_end(signals.next(process::SignalWait::kTick))) return "interrupted; " + lacking;
     progress.tell("waiting, " + lacking);
   }

@@ -1,0 +1,57 @@
+#include "live/ring_clock.h"
+
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+#include "process/process_state.h"
+
+namespace limb_ring::live {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr std::chrono::milliseconds kClockAnswer{2000};
+
+bool answers_as_virtual(const std::string& ring) {
+  const std::string folder = ring_directory(ring);
+  const auto nodes = held_nodes(folder);
+  return !nodes.empty() && holder_of(folder, nodes.front().node).on_virtual_ring &&
+         !process::is_stopped(nodes.front().pid);
+}
+
+}  // namespace
+
+json ring_clock(const std::string& ring) {
+  if (!answers_as_virtual(ring)) return json();
+  ConnectOptions options;
+  options.ring = ring;
+  options.node = std::to_string(kBroadcast);  // the host port of the ring itself, of no node
+  options.asks_only = true;
+  options.timeout = std::chrono::milliseconds(0);
+  try {
+    HostPort port = HostPort::connect(options);
+    json clock = json::parse(port.ask(R"({"do": "clock"})", kClockAnswer));
+    clock["now_s"] = clock.at("now_ns").get<double>() / 1e9;
+    clock.erase("now_ns");
+    return clock;
+  } catch (const std::exception&) {
+    return json();  // it ends just now
+  }
+}
+
+std::string standing_clock(const std::string& ring) {
+  const json clock = ring_clock(ring);
+  if (!clock.is_object() || !clock.value("paused", false)) return "";
+  return "the virtual clock of ring " + ring + " stands; 'ringctl run' lets it go on";
+}
+
+std::string with_standing_clock(const std::string& problem, const std::string& ring) {
+  const std::string standing = standing_clock(ring);
+  return standing.empty() ? problem : problem + ": " + standing;
+}
+
+json ask_for_people(HostPort& port, const json& request, std::chrono::milliseconds timeout) {
+  return json::parse(port.reply(port.request(request.dump()), timeout));
+}
+
+}  // namespace limb_ring::live
