@@ -11,8 +11,8 @@ namespace limb_ring::runtime {
 
 /// Keeps a node reachable whose runtime folder is removed under it (the end of a login, a cleaner of temporary
 /// files): checks once a second, and has what is missing made again. Connections that stand do not notice. Nor does
-/// the folder, which is mostly in memory, fill up with the log of a CPU that writes all the time: that is looked at twenty
-/// times a second. (ours)
+/// the folder, which is mostly in memory, fill up with the log of a CPU that writes all the time: that is looked at
+/// twenty times a second. (ours)
 class FolderWatch {
  public:
   struct Folder {
