@@ -109,6 +109,14 @@ class Sync(RingTest):
         self.assertEqual([row['hops'] for row in sync['nodes']], [2, 3, 0, 1])
         self.assertTrue(all(row['latched'] for row in sync['nodes']))
 
+    def test_sync_measures_no_line_below_zero(self):
+        self.start_ring(plain_nodes(4))
+        for _ in range(20):
+            for row in self.ctl_json('sync')['nodes']:
+                self.assertGreaterEqual(row['one_way_us'], 0, row)
+        answer = self.port(0).ask({'do': 'sync'})
+        self.assertGreaterEqual(answer['left_ns'], answer['clock_ns'])
+
     def test_sync_names_the_node_that_is_missing(self):
         daemons = self.start_ring(plain_nodes(4))
         daemons[3].kill()

@@ -19,14 +19,14 @@ struct LineDelays {
   std::vector<LineDelay> lines;
   unsigned between_hosts = 0;   ///< how many of them lead from one clock to another
   double between_hosts_us = 0;  ///< of all these together: the round trip less what is known
-  /// By so much at least the times are wrong; 0: not known. A node may latch after it has passed the interrupt on, and
-  /// the source latches before the interrupt leaves; a time that comes out below 0 tells how late, or how early.
+  /// By so much at least the times are wrong; 0: not known. A node may latch after it has passed the interrupt on: a
+  /// time that comes out below 0 tells by how much.
   double uncertain_us = 0;
 };
 
 /// Two latches on one host are by the same clock, so their difference is a one-way delay. Between hosts it also
 /// contains the difference of the clocks; only the sum around the ring does not.
-/// @param latches_ns as clock_offsets() takes them
+/// @param latches_ns as clock_offsets() takes them, but for the source when the interrupt left it
 /// @param hosts of each node in ring order: nodes with the same one have one clock
 LineDelays line_delays(const std::vector<std::optional<std::int64_t>>& latches_ns,
                        const std::vector<std::string>& hosts, std::size_t source, double round_trip_us);

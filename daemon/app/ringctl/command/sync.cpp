@@ -104,6 +104,8 @@ Sync synchronize(const RingAccess& ring, const NodeName& from) {
   for (std::size_t i = 0; i < after.size(); ++i) latches.push_back(new_latch(before[i], after[i], from.id));
   latches[sync.source] = answer.at("clock_ns").get<std::int64_t>();
   sync.offsets = clock_offsets(latches, sync.source, sync.round_trip_us, sync.ring_size);
+  // The source latches before the interrupt leaves, which may have to wait.
+  latches[sync.source] = answer.value("left_ns", *latches[sync.source]);
   sync.delays = line_delays(latches, clocks_of(ring), sync.source, sync.round_trip_us);
   return sync;
 }
