@@ -7,7 +7,6 @@
 #include "host/host_server.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/faults.h"
-
 #include "runtime/lately_damaged.h"
 #include "runtime/node_driver.h"
 #include "runtime/ring_supervisor.h"
