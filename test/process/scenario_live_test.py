@@ -34,6 +34,14 @@ steps:
   - at: 600s
 never: [{node: node0, is: down}]
 '''
+FOLDS = '''scenario: the second line of plain nodes
+nodes: 3
+redundancy: foldback
+steps:
+  - do: {cut: node0 -> node1}
+  - when: {node: all, is: folded, ring_size: 3}
+    within: 20s
+'''
 TOO_FAST = '''scenario: a story of microseconds
 nodes: 4
 steps: [{after: 6us, do: {kill: node3}}]
@@ -67,6 +75,10 @@ class ScenarioLive(ScenarioTest):
             self.assertIn('a node dies (live, seed 1)', done.stdout)
             self.assertIn('end: all as expected', done.stdout)
             self.assert_clean()
+
+    def test_plain_nodes_fold_back_where_the_scenario_says_so(self):
+        done = self.play(FOLDS)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_an_unmet_expectation(self):
         junit = os.path.join(self.folder, 'out.xml')

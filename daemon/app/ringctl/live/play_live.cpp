@@ -22,6 +22,7 @@ namespace {
 YAML::Node plain_file(const config::RingConfig& ring) {
   YAML::Node file;
   file["ring"] = ring.ring;
+  if (ring.folds_back()) file["redundancy"] = "foldback";
   for (const config::NodeConfig& node : ring.nodes) {
     YAML::Node entry;
     entry["id"] = static_cast<unsigned>(node.id);
