@@ -121,7 +121,7 @@ class Shrinker {
     if (result_.stopped) return false;
     try {
       Scenario scenario = parse_scenario(YAML::Dump(candidate), request_.path);
-      if (!lasts(scenario)) return false;  // 'scenario run' would not take it
+      if (!lasts(scenario) || !expects_something(scenario)) return false;  // 'scenario run' would not take it
       if (fails_before_end_) scenario.ends_mended = false;
       ScenarioRun run = run_scenario(scenario, scenario.seed);
       request_.tell(++result_.runs);

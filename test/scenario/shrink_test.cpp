@@ -108,6 +108,18 @@ steps:
   EXPECT_THAT(small->text, HasSubstr("cut: node1 -> node2"));
 }
 
+// What it misses is no expectation of the file, so every one of those could go.
+TEST_F(Shrink, StillExpectsSomething) {
+  const auto small = shrunk(R"(scenario: a step in the past
+nodes: 4
+steps: [{after: 50ms}, {at: 10ms}]
+always: [{node: all, is: up}]
+)");
+  ASSERT_TRUE(small);
+  EXPECT_EQ(small->run.unmet->expected, "a step that is in time");
+  EXPECT_TRUE(expects_something(parse_scenario(small->text, "small.yaml"))) << small->text;
+}
+
 TEST_F(Shrink, ItsSeedIsInIt) {
   request_.seed = 77;
   const auto small = shrunk(kNight);
