@@ -125,14 +125,29 @@ Send read_send(const Entry& entry) {
   return send;
 }
 
+/// `{freeze: node2, for: 100ms}`: what a fault is told stands in it.
+void check_none_beside(const std::vector<config::Member>& members) {
+  for (const config::Member& member : members) {
+    const fault::Word* word = fault::find_word(member.name);
+    if (word == nullptr) continue;
+    const std::string of = word->of == fault::Of::line ? "line: A -> B" : "nodes: N";
+    for (const fault::KeyWord& key : fault::keys_of(*word))
+      for (const config::Member& beside : members)
+        if (&beside != &member && beside.name == key.word)
+          beside.key.refuse("is beside " + member.name + ", not in it",
+                            member.name + ": {" + of + ", " + key.word + ": ...}");
+  }
+}
+
 }  // namespace
 
 void read_action(const Entry& entry, Step& step) {
   std::vector<std::string> words = fault::words();
   words.emplace_back("send");
   for (const std::string& word : soak_words()) words.push_back(word);
-  config::check_names(entry, words, {});
   const auto members = entry.members("a fault or a send");
+  check_none_beside(members);
+  config::check_names(entry, words, {});
   if (members.size() != 1) entry.refuse("it is not one thing", "one of " + config::join(words));
   step.words = entry.in_one_line();
   if (members[0].name == "send") {

@@ -68,6 +68,17 @@ TEST(LoadScenario, RefusesALineThatTheRingDoesNotHave) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node1 -> node0}}]\n")), HasSubstr("a ring that folds back"));
 }
 
+TEST(LoadScenario, SaysWhereAFaultIsToldMore) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {freeze: node2, for: 100ms}}]\n")),
+              HasSubstr("entry 'steps[0].do.for': is beside freeze, not in it; allowed: freeze: {nodes: N, for: ...}"));
+  EXPECT_THAT(
+      refusal_of(four_nodes("steps: [{do: {packets: 1, drop: node1 -> node2}}]\n")),
+      HasSubstr("'steps[0].do.packets': is beside drop, not in it; allowed: drop: {line: A -> B, packets: ..."));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {freeze: node2, packets: 1}}]\n")),
+              HasSubstr("is unknown; allowed: "));
+  EXPECT_EQ(refusal_of(four_nodes("steps: [{do: {delay: node1 -> node2 delay=1ms}}]\n")), "");
+}
+
 TEST(LoadScenario, RefusesANodeThatIsNamedTwice) {
   EXPECT_THAT(refusal_of(four_nodes("absent: [node1, 1]\nsteps: []\n")),
               HasSubstr("entry 'absent[1]': '1' is named twice; allowed: each node once"));
