@@ -13,12 +13,17 @@ SignalWait::SignalWait() {
 
 void SignalWait::release() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
 
-int SignalWait::next() const { return std::max(0, ::sigwaitinfo(&ours_, nullptr)); }
+int SignalWait::note(int signal) const {
+  asked_ = asked_ || asks_to_end(signal);
+  return std::max(0, signal);
+}
+
+int SignalWait::next() const { return note(::sigwaitinfo(&ours_, nullptr)); }
 
 int SignalWait::next(std::chrono::milliseconds timeout) const {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
   const timespec wait{static_cast<time_t>(seconds.count()), static_cast<long>((timeout - seconds).count() * 1000000)};
-  return std::max(0, ::sigtimedwait(&ours_, nullptr, &wait));
+  return note(::sigtimedwait(&ours_, nullptr, &wait));
 }
 
 }  // namespace limb_ring::process

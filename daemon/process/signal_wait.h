@@ -24,10 +24,15 @@ class SignalWait {
   int next(std::chrono::milliseconds timeout) const;
   /// Waits up to `timeout`. @return whether one came that asks to end
   bool asked_to_end(std::chrono::milliseconds timeout) const { return asks_to_end(next(timeout)); }
+  /// One that asks to end came before, or is here now.
+  bool was_asked_to_end() const { return asked_to_end(std::chrono::milliseconds(0)) || asked_; }
   static bool asks_to_end(int signal) { return signal == SIGINT || signal == SIGTERM || signal == SIGHUP; }
 
  private:
+  int note(int signal) const;
+
   sigset_t ours_{}, before_{};
+  mutable bool asked_ = false;
 };
 
 }  // namespace limb_ring::process

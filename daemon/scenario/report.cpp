@@ -38,14 +38,23 @@ std::string trace_line(const ScenarioRun& run) {
   return std::string(milliseconds(nanoseconds{0}).size() + 2, ' ') + "trace hash " + run.trace->hash + why + '\n';
 }
 
+std::string begin_of_case(const std::string& path, const std::string& name, nanoseconds lasted) {
+  const std::string file = std::filesystem::path(path).stem().string();
+  return "    <testcase classname=\"scenarios\" name=\"" + config::xml_text(file + ": " + name) + "\" time=\"" +
+         seconds(lasted) + "\">\n";
+}
+
 std::string test_case(const ScenarioRun& run) {
-  const std::string file = std::filesystem::path(run.path).stem().string();
-  std::string text = "    <testcase classname=\"scenarios\" name=\"" + config::xml_text(file + ": " + run.name) +
-                     "\" time=\"" + seconds(run.lasted) + "\">\n";
+  std::string text = begin_of_case(run.path, run.name, run.lasted);
   if (run.unmet)
     text += "      <failure message=\"" +
             config::xml_text("expected: " + run.unmet->expected + "; seen: " + run.unmet->seen) + "\"/>\n";
   return text + "      <system-out>" + config::xml_text(text_of(run)) + "</system-out>\n    </testcase>\n";
+}
+
+std::string case_without_run(const Scenario& scenario, const std::string& element, const std::string& why) {
+  return begin_of_case(scenario.path, scenario.name, nanoseconds{0}) + "      <" + element + " message=\"" +
+         config::xml_text(why) + "\"/>\n    </testcase>\n";
 }
 
 }  // namespace
@@ -60,15 +69,22 @@ std::string text_of(const ScenarioRun& run) {
          "seen instead: " + run.unmet->seen + '\n' + trace_line(run);
 }
 
-std::string junit_of(const std::vector<ScenarioRun>& runs) {
+std::string junit_of(const std::vector<ScenarioRun>& runs, const std::vector<Scenario>& scenarios,
+                     const std::string& stopped) {
+  const std::size_t tests = std::max(runs.size(), scenarios.size());
+  const std::size_t errors = runs.size() < tests ? 1 : 0;
   nanoseconds all{0};
   for (const ScenarioRun& run : runs) all += run.lasted;
   const auto failures =
       std::count_if(runs.begin(), runs.end(), [](const ScenarioRun& run) { return run.unmet.has_value(); });
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"scenarios\"";
-  text += " tests=\"" + std::to_string(runs.size()) + "\" failures=\"" + std::to_string(failures) + "\" errors=\"0\"";
+  text += " tests=\"" + std::to_string(tests) + "\" failures=\"" + std::to_string(failures) + "\"";
+  text += " errors=\"" + std::to_string(errors) + "\" skipped=\"" + std::to_string(tests - runs.size() - errors) + "\"";
   text += " time=\"" + seconds(all) + "\">\n";
   for (const ScenarioRun& run : runs) text += test_case(run);
+  for (std::size_t i = runs.size(); i < tests; ++i)
+    text += i == runs.size() ? case_without_run(scenarios[i], "error", stopped)
+                             : case_without_run(scenarios[i], "skipped", "not run");
   return text + "  </testsuite>\n</testsuites>\n";
 }
 

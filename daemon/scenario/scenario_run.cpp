@@ -36,7 +36,8 @@ namespace {
 
 class Run {
  public:
-  Run(const Scenario& scenario, std::uint64_t seed, Stage& stage) : scenario_(scenario), stage_(stage) {
+  Run(const Scenario& scenario, std::uint64_t seed, Stage& stage, const std::function<void()>& goes_on)
+      : scenario_(scenario), stage_(stage), goes_on_(goes_on) {
     result_.name = scenario.name;
     result_.path = scenario.path;
     result_.seed = seed;
@@ -87,6 +88,7 @@ class Run {
   /// What has to hold at every poll. @return true where it does
   bool watch() {
     if (result_.unmet) return false;
+    if (++polls_ % kPollsBetween == 0) goes_on_();
     for (const std::string& note : stage_.take_notes()) log(note);
     if (const auto broken = stage_.broken()) return fail(broken->expected, broken->seen);
     for (const Condition& condition : scenario_.always)
@@ -128,32 +130,38 @@ class Run {
     return true;
   }
 
+  static constexpr unsigned kPollsBetween = 1000;  ///< under a virtual clock a millisecond or so
+
   const Scenario& scenario_;
   Stage& stage_;
+  const std::function<void()>& goes_on_;
+  unsigned polls_ = 0;
   ScenarioRun result_;
 };
 
 }  // namespace
 
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage) {
-  return Run(scenario, seed, stage).run();
+  return Run(scenario, seed, stage, [] {}).run();
 }
 
 namespace {
 
 template <class OfWorld>
-ScenarioRun run_on(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at) {
+ScenarioRun run_on(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at,
+                   const std::function<void()>& goes_on) {
   OfWorld stage(scenario, seed);
   std::optional<sim::RingCapture> captured;
   if (capture != nullptr) captured.emplace(stage.ring(), *capture, names_of(scenario.ring), at);
-  return run_scenario(scenario, seed, stage);
+  return Run(scenario, seed, stage, goes_on).run();
 }
 
 }  // namespace
 
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at) {
-  if (scenario.world == World::soak) return run_on<SoakStage>(scenario, seed, capture, at);
-  return run_on<VirtualStage>(scenario, seed, capture, at);
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at,
+                         const std::function<void()>& goes_on) {
+  if (scenario.world == World::soak) return run_on<SoakStage>(scenario, seed, capture, at, goes_on);
+  return run_on<VirtualStage>(scenario, seed, capture, at, goes_on);
 }
 
 }  // namespace limb_ring::scenario

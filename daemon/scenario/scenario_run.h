@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -51,8 +52,10 @@ struct ScenarioRun {
 /// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario
 /// and seed give the same run.
 /// @param capture where its packets go as pcapng, or null; taken where `at` says
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr,
-                         sim::CaptureAt at = sim::CaptureAt::inputs);
+/// @param goes_on called now and then; throws to end it
+ScenarioRun run_scenario(
+    const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr,
+    sim::CaptureAt at = sim::CaptureAt::inputs, const std::function<void()>& goes_on = [] {});
 
 /// Plays it on a stage that has not begun. @param seed the stage's, for the report
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);

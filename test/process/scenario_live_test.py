@@ -34,6 +34,13 @@ steps:
   - at: 600s
 never: [{node: node0, is: down}]
 '''
+BUSY = '''scenario: sends for an hour
+nodes: 3
+steps:
+  - do: {send: {name: many, from: all, to: all, size: 512, every: 100us}}
+  - at: 3600s
+never: [{node: node0, is: down}]
+'''
 FOLDS = '''scenario: the second line of plain nodes
 nodes: 3
 redundancy: foldback
@@ -118,8 +125,26 @@ class ScenarioLive(ScenarioTest):
         run = self.start_endless('--junit', junit, self.write('first.yaml', SURPRISE))
         run.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(run), 1)
+        self.assertEqual(self.outcomes(junit), ['failure', 'error'])
+
+    @staticmethod
+    def outcomes(junit):
         suite = xml.etree.ElementTree.parse(junit).getroot().find('testsuite')
-        self.assertEqual((suite.get('tests'), suite.get('failures')), ('1', '1'))
+        cases = [[child.tag for child in case if child.tag != 'system-out'] for case in suite]
+        outcomes = [case[0] if case else 'passed' for case in cases]
+        for name, outcome in (('failures', 'failure'), ('errors', 'error'), ('skipped', 'skipped')):
+            assert int(suite.get(name)) == outcomes.count(outcome), suite.attrib
+        return outcomes
+
+    def test_an_interrupted_run_under_the_virtual_clock_is_not_passed(self):
+        junit = os.path.join(self.folder, 'out.xml')
+        files = [self.write('%d.yaml' % i, text) for i, text in enumerate((KILL, BUSY, KILL))]
+        for number in (signal.SIGINT, signal.SIGTERM):
+            run = self.start('run', [ring_process.program('ringctl'), 'scenario', 'run', *files, '--junit', junit])
+            self.wait('the first has run', lambda: 'a node dies' in self.log_of(run))
+            run.send_signal(number)
+            self.assertEqual(self.wait_exit(run), 1)
+            self.assertEqual(self.outcomes(junit), ['passed', 'error', 'skipped'])
 
     def test_killed_itself(self):
         run = self.start_endless()

@@ -104,9 +104,19 @@ TEST(Junit, HasACasePerScenarioWithWhatWasExpectedAndSeen) {
   EXPECT_THAT(
       junit_of({good, bad}),
       AllOf(StartsWith("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"),
-            HasSubstr("tests=\"2\" failures=\"1\" errors=\"0\" time=\"0.003000000\""),
+            HasSubstr("tests=\"2\" failures=\"1\" errors=\"0\" skipped=\"0\" time=\"0.003000000\""),
             HasSubstr("<testcase classname=\"scenarios\" name=\"test: a test\" time=\"0.002000000\">"),
             HasSubstr("<failure message=\"expected: when {located: node0 -&gt; node1} within 1ms; seen: node0 does")));
+}
+
+TEST(Junit, NamesWhatWasNotRun) {
+  const auto named = [](const std::string& name) {
+    return parse_scenario("scenario: " + name + "\nnodes: 4\nsteps: [{at: 2ms}]\n", "night.yaml");
+  };
+  EXPECT_THAT(junit_of({run_of("steps: [{at: 2ms}]\n")}, {named("one"), named("two"), named("three")}, "a < b"),
+              AllOf(HasSubstr("tests=\"3\" failures=\"0\" errors=\"1\" skipped=\"1\" time=\"0.002000000\""),
+                    HasSubstr("name=\"night: two\" time=\"0.000000000\">\n      <error message=\"a &lt; b\"/>\n"),
+                    HasSubstr("name=\"night: three\" time=\"0.000000000\">\n      <skipped message=\"not run\"/>")));
 }
 
 }  // namespace

@@ -24,6 +24,11 @@ constexpr const char* kExitCodesHelp =
 /// Ends ringctl with kNotDone.
 using live::NotDone;
 
+/// The user wants no more of it: ends ringctl with kNotDone.
+struct Interrupted : std::runtime_error {
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
 /// It was asked for, and may still happen: ends ringctl with kUnknown.
 struct NotKnown : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -14,6 +14,7 @@
 #include "app/ringctl/virtual/play_virtual.h"
 #include "cli/output.h"
 #include "cli/values.h"
+#include "process/signal_wait.h"
 #include "scenario/load_scenario.h"
 #include "scenario/only_virtual.h"
 #include "scenario/report.h"
@@ -141,27 +142,37 @@ std::string verdict_of(const std::vector<ScenarioRun>& runs) {
   return all + (count == 0 ? "all as expected" : std::to_string(count) + " not as expected:" + unmet);
 }
 
+/// Ctrl-C, which is held back so that what was found is reported. Real programs under a virtual clock end by it
+/// themselves.
+using Signals = std::optional<process::SignalWait>;
+
+void throw_if_interrupted(const Signals& signals) {
+  if (signals && signals->was_asked_to_end()) throw Interrupted();
+}
+
 ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::ostream* capture,
-                 std::string& log_problem) {
+                 std::string& log_problem, Signals& signals) {
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
-  if (options.live) return play_live(scenario, seed, options.transport);
+  if (options.live) return play_live(scenario, seed, options.transport, *signals);
   if (options.with_programs)
     return play_virtual(scenario, seed, {options.scenario_cpus, options.log, capture, at, &log_problem});
-  return run_scenario(scenario, seed, capture, at);
+  return run_scenario(scenario, seed, capture, at, [&signals] { throw_if_interrupted(signals); });
 }
 
 /// What is whole only when all have been run: JSON and JUnit. @throw NotDone where it cannot be written
-void report(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit) {
+void report(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit,
+            const std::vector<Scenario>& scenarios, const std::string& stopped = {}) {
   std::vector<app::Row> rows;
   for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
   if (options.json) std::cout << app::format_rows(rows, app::Format::json) << std::endl;
-  if (junit.is_open()) finish(junit << scenario::junit_of(runs), options.junit);
+  if (junit.is_open()) finish(junit << scenario::junit_of(runs, scenarios, stopped), options.junit);
 }
 
 /// The same where something else has gone wrong, which is what counts.
-void report_so_far(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit) try {
-  report(runs, options, junit);
+void report_so_far(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit,
+                   const std::vector<Scenario>& scenarios, const std::string& stopped) try {
+  report(runs, options, junit, scenarios, stopped);
 } catch (const NotDone& problem) {
   std::cerr << "ringctl: " << problem.what() << '\n';
 }
@@ -174,18 +185,21 @@ int run(const ScenarioOptions& options) {
   std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;
   std::string log_problem;
+  Signals signals;
+  if (!options.with_programs) signals.emplace();
   try {
     for (const Scenario& scenario : scenarios) {
-      runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr, log_problem));
+      throw_if_interrupted(signals);
+      runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr, log_problem, signals));
       if (!options.json) std::cout << text_of(runs.back()) << std::endl;
     }
     if (capture.is_open()) finish(capture, options.capture);
-  } catch (...) {  // interrupted, for one: what was found so far is not lost
-    report_so_far(runs, options, junit);
+  } catch (const std::exception& problem) {  // interrupted, for one: what was found so far is not lost
+    report_so_far(runs, options, junit, scenarios, problem.what());
     throw;
   }
   if (!options.json && runs.size() > 1) std::cout << verdict_of(runs) << std::endl;
-  report(runs, options, junit);
+  report(runs, options, junit, scenarios);
   if (!log_problem.empty()) throw NotDone(log_problem);
   const bool unmet =
       std::any_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });

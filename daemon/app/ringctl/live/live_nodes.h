@@ -13,11 +13,6 @@
 
 namespace limb_ring::ringctl {
 
-/// The user wants no more of it.
-struct Interrupted : std::runtime_error {
-  Interrupted() : std::runtime_error("interrupted") {}
-};
-
 /// The daemons of a ring of our own, by their place in it, and a connection to each. One thread; messages come in
 /// while poll(), pump() or ask() wait. All that was started has ended when this is destroyed.
 class LiveNodes {

@@ -69,10 +69,10 @@ RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::strin
 
 }  // namespace
 
-scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed, const std::string& transport) {
+scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed, const std::string& transport,
+                                process::SignalWait& signals) {
   const live::PrivateFolder folder;
   const RingPlan plan = plan_scenario_ring(scenario, folder.path(), transport);
-  process::SignalWait signals;
   LiveStage stage(scenario, seed, plan, signals);
   return run_scenario(scenario, seed, stage);
 }
