@@ -217,6 +217,15 @@ class PlainWords(RingTest):
         self.assertIn('--to', self.ctl('help', 'send').stdout)
         self.assertIn('A:B', self.ctl('help', 'fault', 'cut').stdout)
 
+    def test_ring_sim_ends_with_one_by_ctrl_c_as_its_help_says(self):
+        plan = ['plan', os.path.join(ring_process.CONFIG, 'humanoid16.yaml'), '--simulate', '3600s']
+        for command in (['compare', '--nodes', '100'], plan, ['table']):
+            run = self.start('ring_sim', [program('ring_sim')] + command)
+            self.wait('it says what it is at', lambda: '...' in self.log_of(run))
+            run.send_signal(signal.SIGINT)
+            self.assertEqual(self.wait_exit(run), 1, command)
+            self.assertIn('ring_sim: interrupted', self.log_of(run))
+
 
 class EightyColumns(RingTest):
     def shown(self, *arguments, **environment):
