@@ -131,6 +131,9 @@ void ProgramStage::packet(NodeId node, const core::ReceivedPacket& packet) {
 void ProgramStage::incident(NodeId node, sim::Incident incident, core::Time, core::Line) {
   if (incident == sim::Incident::killed) cpus_[node] = {};
   if (incident == sim::Incident::cpu_reset) cpus_[node].taken.clear();
+  if (incident != sim::Incident::thawed) return;
+  for (const Fault& fault : std::exchange(cpus_[node].when_thawed, {}))
+    host_->host.at(ring().now(), [this, fault, node] { begin_at_cpu(fault, node); });
 }
 
 void ProgramStage::cpu_changed(NodeId id, const runtime::CpuStatus& status) {
@@ -156,7 +159,10 @@ std::optional<scenario::Stage::Failure> ProgramStage::apply(const Fault& fault) 
     return std::nullopt;
   }
   const auto act = [&] {
-    if (fault::word_of(fault.name).of == fault::Of::cpu) return begin(own);
+    if (fault::word_of(fault.name).of == fault::Of::cpu) {
+      for (const NodeId id : own.nodes) begin_at_cpu(own, id);
+      return;
+    }
     remove_those_so_already(own);
     if (fault.name != Name::power_cycle) return begin(own);
     power_cycle(own);
@@ -173,6 +179,17 @@ void ProgramStage::begin(const Fault& fault) {
     if (!problem.empty() && !refused_) refused_ = Failure{"the ring does it", problem};
   };
   host_->host.begin(fault, told);
+}
+
+/// As with models of CPUs: nothing happens to a CPU that is not there.
+void ProgramStage::begin_at_cpu(const Fault& fault, NodeId id) {
+  const virtual_host::NodeFaults& nodes = host_->host.node_faults();
+  if (nodes.is_dead(id)) return;
+  Fault one = fault;
+  one.nodes = {id};
+  if (nodes.is_frozen(id)) return cpus_[id].when_thawed.push_back(one);
+  const bool of_process = fault.name == Name::hang || fault.name == Name::crash;
+  if (!of_process || host_->host.node(id)->cpu_status().pid > 0) begin(one);
 }
 
 void ProgramStage::remove_those_so_already(Fault& fault) const {

@@ -54,7 +54,8 @@ class ProgramStage final : public scenario::RingStage, private sim::Observer {
   };
   struct Cpu {
     TakenPackets taken;
-    std::uint64_t ends = 0;  ///< of its programs by themselves, and boots that failed
+    std::uint64_t ends = 0;                    ///< of its programs by themselves, and boots that failed
+    std::vector<scenario::Fault> when_thawed;  ///< its daemon, which would do it, is frozen
   };
 
   ProgramStage(const scenario::Scenario& scenario, std::unique_ptr<Host> host, std::uint64_t seed);
@@ -68,6 +69,7 @@ class ProgramStage final : public scenario::RingStage, private sim::Observer {
   void cpu_changed(wire::NodeId id, const runtime::CpuStatus& status);
   std::string first_not_ready() const;
   void begin(const scenario::Fault& fault);
+  void begin_at_cpu(const scenario::Fault& fault, wire::NodeId id);
   void remove_those_so_already(scenario::Fault& fault) const;
   void power_cycle(const scenario::Fault& fault);
   void throw_if_interrupted();

@@ -30,6 +30,7 @@ void Cpus::read(NodeId id, bool reads) {
 }
 
 void Cpus::hang(NodeId id) {
+  if (has_crashed(id)) return;
   cpus_[id].running = cpus_[id].boots_later = false;
   read(id, false);
   cpus_[id].spoke_at = ring_.now();
@@ -88,7 +89,9 @@ void Cpus::end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus
 
 void Cpus::reset(NodeId id) { end(id, wire::CpuState::booting, boot_time_, &Cpus::boot); }
 
-void Cpus::crash(NodeId id) { end(id, wire::CpuState::failed, kBackOff, &Cpus::reset); }
+void Cpus::crash(NodeId id) {
+  if (!has_crashed(id)) end(id, wire::CpuState::failed, kBackOff, &Cpus::reset);
+}
 
 // As in the daemon, a boot counts from the CPU's first message.
 void Cpus::boot(NodeId id) {

@@ -57,6 +57,8 @@ class Cpus {
     std::uint64_t generation = 0;  ///< a new one with each start and each cure
     std::uint64_t reading = 0;     ///< counts changes of how it reads: steps of an earlier slowness do not count
   };
+  /// It has no process until its back-off is over.
+  bool has_crashed(NodeId id) const { return cpus_[id].state == wire::CpuState::failed; }
   void tell(NodeId id, wire::CpuState state);
   void boot(NodeId id);
   void run(NodeId id);

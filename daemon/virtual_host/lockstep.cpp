@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "process/process_state.h"
+#include "runtime/cpu/cpu_process.h"
 
 namespace limb_ring::virtual_host {
 
@@ -63,10 +64,9 @@ void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
 }
 
 void Lockstep::cpu_signalled(std::uint8_t node, int number) {
-  const bool fatal = number == SIGKILL || number == SIGSEGV || number == SIGABRT;
   if (number == SIGSTOP) hung_.insert(node);
   if (number == SIGCONT && hung_.erase(node) != 0) goes_on(node);
-  if (fatal) {
+  if (runtime::is_fatal(number)) {
     boots_.ends(node);
     for (auto& [key, program] : programs_)
       if (key.first == node && program.session->info().role == Role::cpu) program.dies = true;

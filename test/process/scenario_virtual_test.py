@@ -157,6 +157,34 @@ steps:
 
     # ---- repeatable -----------------------------------------------------------------------
 
+    def test_faults_of_what_is_not_there_are_judged_alike_in_all_three_ways(self):
+        cpu_runs = '  - {when: {cpu: node1, is: running}, within: 700ms}\n'
+        stories = {
+            'a CPU crashes while it boots':
+                '  - {at: 10ms, do: {reset: node1}}\n  - {after: 5ms, do: {crash: node1}}\n'
+                '  - {after: 200ms}\n' + cpu_runs,
+            'a CPU has crashed already':
+                '  - {at: 10ms, do: {crash: node1}}\n  - {after: 5ms, do: {crash: node1}}\n'
+                '  - {after: 5ms, do: {hang: node1}}\n'
+                '  - {after: 200ms, do: {resume: node1}}\n' + cpu_runs,
+            'a node is dead':
+                '  - {at: 10ms, do: {kill: node1}}\n' +
+                ''.join('  - {after: 5ms, do: {%s}}\n' % fault for fault in
+                        ('hang: node1', 'crash: node1', 'reset: node1', 'resume: node1', 'not_reading: node1',
+                         'slow: node1 every=1ms', 'babble: node1 every=1ms', 'drop: node1 -> node2 packets=1')) +
+                '  - {after: 200ms, do: {start: node1}}\n'
+                '  - {when: {node: all, is: up, ring_size: 3}, within: 700ms}\n' + cpu_runs,
+            'a node is frozen':
+                '  - {at: 10ms, do: {freeze: node1}}\n  - {after: 5ms, do: {hang: node1}}\n'
+                '  - {after: 5ms, do: {drop: node1 -> node2 packets=1}}\n  - {after: 50ms, do: {thaw: node1}}\n'
+                '  - {when: {cpu: node1, is: silent}, within: 1s}\n  - {do: {resume: node1}}\n' + cpu_runs,
+        }
+        for name, steps in stories.items():
+            file = self.write('story.yaml', 'scenario: %s\nnodes: 3\nsteps:\n%s' % (name, steps))
+            for way in ('--sim', '--virtual', '--live'):
+                done = self.ctl('scenario', 'run', way, file)
+                self.assertEqual(done.returncode, 0, way + done.stdout + done.stderr)
+
     def test_the_same_trace_on_one_core_on_all_and_beside_busy_processes(self):
         nodes = self.nodes()
         nodes[0].update(cpu={'command': ['limb_firmware'], 'turnaround': '20us', 'jitter': '30us'}, joints=[{'name': 'knee'}])

@@ -66,7 +66,7 @@ process::SpawnRequest CpuProcess::request() const {
 }
 
 void CpuProcess::start_child() {
-  child_killed_ = boot_failed_ = has_booted_ = false;
+  child_killed_ = boot_failed_ = has_booted_ = fatal_sent_ = false;
   end_.reset();
   const auto& command = options_.cpu.command;
   const std::string name = command.empty() ? "" : command.front();
@@ -109,8 +109,9 @@ void CpuProcess::child_ended(const process::ExitStatus& status) {
   if (child_killed_) return start_child();
   end_ = status;
   if (!on_virtual_ring()) return see_end();
-  if (was_cpu) return;  // detached() is to come
-  see_end_at(has_booted_ ? clock_.now() : std::max(clock_.now(), started_at_ + options_.boots_for));
+  if (was_cpu) return;                              // detached() is to come
+  const bool at_once = has_booted_ || fatal_sent_;  // time stands until such a signal has taken effect
+  see_end_at(at_once ? clock_.now() : std::max(clock_.now(), started_at_ + options_.boots_for));
 }
 
 // On a virtual ring by its clock: what the end of the connection has changed, as sends that are cancelled, comes before
@@ -259,6 +260,7 @@ CpuActionResult CpuProcess::signal(int number) {
   const process::ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
   const process::ProcessHandle& process = attached_ ? attached_->process() : child;
   if (!process.signal(number)) return {false, false, "no CPU to send signal " + name + " to"};
+  fatal_sent_ = fatal_sent_ || is_fatal(number);
   if (options_.on_signal) options_.on_signal(number);
   return {true, false, "sent signal " + name + " to pid " + std::to_string(process.pid())};
 }

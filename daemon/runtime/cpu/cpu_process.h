@@ -3,6 +3,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <csignal>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -39,6 +40,9 @@ struct CpuActionResult {
   std::string message;      ///< for people: what was done, or why not
 };
 
+/// A process that is sent this signal ends, unless it catches it.
+inline bool is_fatal(int signal) { return signal == SIGKILL || signal == SIGSEGV || signal == SIGABRT; }
+
 /// How a node's CPU is started, watched and ended.
 struct CpuOptions {
   config::CpuConfig cpu;
@@ -50,8 +54,8 @@ struct CpuOptions {
   std::chrono::milliseconds command_timeout{10000};  ///< of a pin's command
   process::BackOff::Limits back_off;
   /// The boot time on a virtual ring, by the ring's clock; 0: no virtual ring. No child attaches earlier, and a child
-  /// that ends earlier is seen to end only then. The end of an attached child is seen once both its process and its
-  /// connection have ended, so that their order does not matter.
+  /// that ends earlier by itself is seen to end only then. The end of an attached child is seen once both its process
+  /// and its connection have ended, so that their order does not matter.
   std::chrono::nanoseconds boots_for{0};
   /// The CPU's process has been sent that signal; may be empty.
   std::function<void(int number)> on_signal;
@@ -157,6 +161,7 @@ class CpuProcess {
   std::optional<process::ExitStatus> end_;  ///< of the child, not seen yet
   bool has_booted_ = false;                 ///< the child has attached
   bool child_killed_ = false;               ///< ... and the child: started again when it is gone
+  bool fatal_sent_ = false;                 ///< the child was sent a signal that ends it
   bool boot_failed_ = false;                ///< the child is being killed because it did not attach
   bool failed_ = false;                     ///< the last child ended badly
   bool silent_ = false;

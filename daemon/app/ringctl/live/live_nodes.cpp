@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/connect_node.h"
@@ -52,6 +53,8 @@ void LiveNodes::kill(std::size_t place) {
   node.daemons->reap();
   if (node.port) take_messages();  // what it said before it died
   node = Node{};
+  const auto is_its = [place](const Asked& asked) { return asked.place == place; };
+  ordered_.erase(std::remove_if(ordered_.begin(), ordered_.end(), is_its), ordered_.end());
 }
 
 void LiveNodes::freeze(std::size_t place) {
@@ -93,6 +96,7 @@ void LiveNodes::connect(std::size_t place) {
   try {
     node.port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[place].id), Stay::for_long));
     node.port->observe(json{{"kinds", {"pin"}}}.dump());
+    for (const json& what : std::exchange(node.orders, {})) order(place, what);
   } catch (const HostPortError&) {
     node.port.reset();  // not there yet: the next poll() tries again
   }
@@ -184,7 +188,12 @@ LiveNodes::Asked LiveNodes::request(std::size_t place, const json& request) {
   return {place, port(place)->request(request.dump()), std::nullopt};
 }
 
-void LiveNodes::order(std::size_t place, const json& what) { ordered_.push_back(request(place, what)); }
+void LiveNodes::order(std::size_t place, const json& what) {
+  if (port(place))
+    ordered_.push_back(request(place, what));
+  else
+    nodes_[place].orders.push_back(what);
+}
 
 json LiveNodes::ask(std::size_t place, const json& what) {
   asked_ = request(place, what);

@@ -37,6 +37,7 @@ class LiveNodes {
   std::size_t size() const { return nodes_.size(); }
   /// Its process lives and is not frozen.
   bool running(std::size_t place) const { return nodes_[place].daemons && !nodes_[place].frozen; }
+  bool dead(std::size_t place) const { return !nodes_[place].daemons; }
   /// Why a daemon ended that should not have; nothing if none did.
   std::optional<std::string> exit_reason();
   /// The last lines of a node's log.
@@ -55,7 +56,8 @@ class LiveNodes {
       Clock::time_point until, const std::function<bool()>& done = [] { return false; });
   /// The node's answer; messages are passed on meanwhile. @throw NotDone with its error, or if it does not answer
   nlohmann::json ask(std::size_t place, const nlohmann::json& request);
-  /// As ask(), without waiting for the answer: a later poll() reports its error. @throw NotDone without a connection
+  /// As ask(), without waiting for the answer: a later poll() reports its error. A node that is frozen, or not there
+  /// yet, does it when it can.
   void order(std::size_t place, const nlohmann::json& request);
 
   /// Results and observations; called from pump().
@@ -70,6 +72,7 @@ class LiveNodes {
     std::optional<HostPort> port;
     std::optional<nlohmann::json> row;
     std::optional<std::uint32_t> asked;  ///< for the row
+    std::vector<nlohmann::json> orders;  ///< until there is a connection
   };
 
   /// A request other than for the row.

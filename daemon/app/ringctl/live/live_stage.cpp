@@ -215,14 +215,24 @@ void LiveStage::apply_to_node(fault::Name name, std::size_t place) {
   senders_.set_hung(place, false);
 }
 
+/// As with models of CPUs: nothing happens to a CPU that is not there.
+bool LiveStage::is_not_there(fault::Name name, std::size_t place) {
+  if (fault::word_of(name).of != fault::Of::cpu) return false;
+  if (nodes_.dead(place)) return true;
+  const bool of_process = name == fault::Name::hang || name == fault::Name::crash;
+  if (!of_process || !nodes_.running(place) || !nodes_.port(place)) return false;
+  return nodes_.ask(place, {{"do", "status"}}).at("cpu").at("pid").is_null();
+}
+
 void LiveStage::apply_at_daemon(Fault fault, std::size_t place) {
   using fault::Name;
+  if (is_not_there(fault.name, place)) return;
   fault.nodes = {static_cast<NodeId>(place)};
   if ((fault::word_of(fault.name).keys & fault::kSeed) != 0 && fault.seed == 0) fault.seed = random_() % 1000000 + 1;
   if (fault.name == Name::hang) senders_.set_hung(place, true);
   const json request{{"do", "fault"}, {"fault", fault::to_words(fault, nodes_by_place(scenario_.ring))}};
   // Under the virtual clock too the scenario goes on while the CPU boots.
-  if (fault.name == Name::reset)
+  if (fault.name == Name::reset || !nodes_.running(place) || !nodes_.port(place))
     nodes_.order(place, request);
   else
     nodes_.ask(place, request);

@@ -49,6 +49,7 @@ class LiveStage final : public scenario::Stage {
   void poll();
   void do_it(const scenario::Fault& fault);
   void apply_to_node(fault::Name name, std::size_t place);
+  bool is_not_there(fault::Name name, std::size_t place);
   void apply_at_daemon(fault::Fault fault, std::size_t place);
   Clock::time_point turn();
 
