@@ -165,17 +165,25 @@ std::vector<KnownNode> known_nodes(const std::string& folder) {
   return nodes;
 }
 
-std::vector<std::string> killed_rings() {
+namespace {
+
+std::vector<std::string> dead_rings(bool killed) {
   std::vector<std::string> rings;
   for (const fs::path& folder : files_in(rings_directory())) {
     const auto nodes = known_nodes(folder);
-    const auto killed = [&](const KnownNode& node) { return is_killed(folder, node.id); };
-    if (held_nodes(folder).empty() && std::any_of(nodes.begin(), nodes.end(), killed))
-      rings.push_back(folder.filename());
+    const auto is_killed_one = [&](const KnownNode& node) { return is_killed(folder, node.id); };
+    if (nodes.empty() || !held_nodes(folder).empty()) continue;
+    if (std::any_of(nodes.begin(), nodes.end(), is_killed_one) == killed) rings.push_back(folder.filename());
   }
   std::sort(rings.begin(), rings.end());
   return rings;
 }
+
+}  // namespace
+
+std::vector<std::string> killed_rings() { return dead_rings(true); }
+
+std::vector<std::string> left_rings() { return dead_rings(false); }
 
 std::string held_up_lock(const std::string& folder) {
   for (const fs::path& file : files_in(folder)) {

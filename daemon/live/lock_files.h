@@ -47,6 +47,10 @@ bool is_killed(const std::string& folder, wire::NodeId node);
 /// Rings of this user that are dead because daemons were killed on purpose, by name, sorted.
 std::vector<std::string> killed_rings();
 
+/// Rings of this user that are dead although nobody has ended them or killed their daemons on purpose, by name, sorted:
+/// their folders are there, and no daemon.
+std::vector<std::string> left_rings();
+
 /// A node as the files of its ring's folder know it.
 struct KnownNode {
   wire::NodeId id;

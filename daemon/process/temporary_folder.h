@@ -1,10 +1,14 @@
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "process/lock_file.h"
 
 namespace limb_ring::process {
 
-/// A fresh folder below the system's temporary one, removed with all in it.
+/// A fresh folder below the system's temporary one, removed with all in it. One whose process was killed is removed by
+/// the next process that makes one for the same purpose: nobody holds the lock in it any more.
 class TemporaryFolder {
  public:
   /// @param purpose a word in its name, for people who find one that was left behind: limb_ring_PURPOSE_XXXXXX
@@ -19,6 +23,7 @@ class TemporaryFolder {
 
  private:
   std::string path_;
+  std::optional<LockFile> lock_;
 };
 
 }  // namespace limb_ring::process

@@ -151,6 +151,20 @@ class ScenarioLive(ScenarioTest):
         run.kill()
         self.wait('all gone', lambda: not self.started())
 
+    def test_what_one_that_was_killed_has_left_is_removed_by_the_next(self):
+        killed, living = self.start_endless(), self.start_endless()
+        self.wait('both rings are up', lambda: len([pid for pid in self.started()
+                                                    if ring_process.process_state(pid) == 'T']) == 2)
+        killed.kill()
+        self.wait_exit(killed)
+        self.assertEqual(len(os.listdir(self.temporary)), 2)
+        self.assertEqual(self.play(KILL).returncode, 0)
+        self.assertEqual(len(os.listdir(self.temporary)), 1)
+        living.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(living), 1)
+        self.assertIn('interrupted', self.log_of(living))
+        self.assert_clean()
+
     def test_a_daemon_that_somebody_else_ends(self):
         run = self.start_endless()
         living = [pid for pid in self.started() if ring_process.process_state(pid) != 'T']

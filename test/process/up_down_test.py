@@ -189,6 +189,15 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl_json('list'), [])
         self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
 
+    def test_all_folders_of_dead_rings_are_removed_but_for_recordings(self):
+        for ring, more in (('left', []), ('recorded', ['--record'])):
+            self.assertEqual(self.ctl('--ring', ring, 'up', '--nodes', 2, '--detach', *more).returncode, 0)
+            for row in self.ctl_json('--ring', ring, 'status')['nodes']:
+                os.kill(row['pid'], signal.SIGKILL)
+        self.wait('they are dead', lambda: self.ctl_json('list') == [])
+        self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
+        self.assertEqual(os.listdir(os.path.dirname(self.ring_folder())), ['recorded'])
+
     def test_all_rings_are_ended_also_where_somebody_ends_one_meanwhile(self):
         nodes = plain_nodes(2)
         nodes[0]['cpu'] = {'command': [self.script('stubborn', "trap '' TERM\nwhile :; do sleep 1; done\n")]}

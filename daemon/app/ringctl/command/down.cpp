@@ -18,6 +18,7 @@
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "process/lock_file.h"
+#include "recorder/recorder_file.h"
 
 namespace limb_ring::ringctl {
 
@@ -81,10 +82,23 @@ int run(const std::string& ring) {
   return tell_down(ring);
 }
 
+/// Tidies the folders of rings that nobody has ended; not where their daemons have recorded what may tell why.
+void tidy_those_left() {
+  for (const std::string& ring : live::left_rings()) {
+    const std::string folder = ring_directory(ring);
+    if (!recorder::recordings_in(folder).empty()) continue;
+    try {
+      remove_what_is_left(ring, folder);
+    } catch (const NotDone&) {  // somebody is just starting it
+    }
+  }
+}
+
 /// Ends all rings of this user. @return an ExitCode; kDone also if there is none. @throw NotDone with what is left
 int run_all() {
   std::vector<std::string> rings = live::held_rings();
   for (const std::string& ring : live::killed_rings()) rings.push_back(ring);
+  tidy_those_left();
   std::string left;
   for (const std::string& ring : rings) {
     try {
