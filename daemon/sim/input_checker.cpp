@@ -65,7 +65,23 @@ InputChecker::InputChecker(RingRecord& record) : record_(record) {
 
 void InputChecker::input_changes(NodeId node, Line line, Time now) {
   follow_input(node, now);
+  incoming_[node].fold_known_until = Time{};
   if (line == incoming_[node].input) input_breaks_off(node, now);
+}
+
+// With the first `begin` that a node hears on the second line its input is another one, with a `last` or a `lost` it is
+// lost: a DATP that was coming in there is broken off. (protocol.md sections 2.6 and 8.11) Which fold node a node knows
+// cannot be told from outside, but that it still knows the one whose `begin` came a little earlier.
+void InputChecker::word_arrives(NodeId node, wire::FoldWord word, Line line, Time now) {
+  using Kind = wire::FoldWordKind;
+  if (line != Line::second || word.kind == Kind::deaf || word.kind == Kind::hears) return;
+  follow_input(node, now);
+  Incoming& in = incoming_[node];
+  const bool begins = word.kind == Kind::begin, known = now < in.fold_known_until;
+  if (begins && (known || word.node == node)) return;
+  const core::Duration surely = (wire::kMissedBeacons - 1) * record_.at(node).settings.beacon;
+  in.fold_known_until = begins && record_.ring.alive(word.node) ? now + surely : Time{};
+  if (in.input == Line::second && in.collector.open() && in.own) record_.ledger.returned_damaged(node, false);
 }
 
 // A fold may have left the line that the node heard, and come back to it in the same instant.

@@ -14,9 +14,13 @@ class InputChecker {
   explicit InputChecker(RingRecord& record);
 
   void arrives(NodeId node, const wire::Slice& slice, Time now);
+  void word_arrives(NodeId node, wire::FoldWord word, Line line, Time now);
   void input_changes(NodeId node, Line line, Time now);
   /// The node has restarted: what is on its way in is dropped.
-  void start(NodeId node) { incoming_[node].collector.drop(); }
+  void start(NodeId node) {
+    incoming_[node].collector.drop();
+    incoming_[node].fold_known_until = Time{};
+  }
   template <class Archive>
   void archive(Archive& a) {
     for (Incoming& in : incoming_) a("incoming", in);
@@ -29,11 +33,13 @@ class InputChecker {
     Tristate received = Tristate::no;
     bool own = false;
     Line input = Line::first, output = Line::first;
-    Time last{};  ///< when something last came
+    Time last{};              ///< when something last came
+    Time fold_known_until{};  ///< from the last `begin` of a fold node on, unless something has happened since
 
     template <class Archive>
     void archive(Archive& a) {
       a("collector", collector)("received", received)("own", own)("input", input)("output", output)("last", last);
+      a("fold_known_until", fold_known_until);
     }
   };
 

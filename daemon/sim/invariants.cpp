@@ -32,6 +32,10 @@ void Invariants::leaves(NodeId node, const wire::Slice& slice, Time now) { outpu
 
 void Invariants::arrives(NodeId node, const wire::Slice& slice, Time now) { inputs_.arrives(node, slice, now); }
 
+void Invariants::word_arrives(NodeId node, wire::FoldWord word, Line line, Time now) {
+  inputs_.word_arrives(node, word, line, now);
+}
+
 void Invariants::input_changes(NodeId node, Line line, Time now) { inputs_.input_changes(node, line, now); }
 
 void Invariants::output_ready(NodeId node, bool, Time now) { record_.at(node).forwarding.released(now); }

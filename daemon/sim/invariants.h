@@ -32,6 +32,7 @@ class Invariants : public Observer {
   void asked(NodeId node, const core::InterruptRequest& request, Time now) override;
   void leaves(NodeId node, const wire::Slice& slice, Time now) override;
   void arrives(NodeId node, const wire::Slice& slice, Time now) override;
+  void word_arrives(NodeId node, wire::FoldWord word, Line line, Time now) override;
   void input_changes(NodeId node, Line line, Time now) override;
   void output_ready(NodeId node, bool ready, Time now) override;
   void cpu_present(NodeId node, bool present, Time now) override;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/network_controller.h"
+#include "wire/fold_word.h"
 
 namespace limb_ring::sim {
 
@@ -36,6 +37,8 @@ class Observer {
   virtual void leaves(NodeId, const wire::Slice&, Time) {}
   /// A slice is about to come into a node.
   virtual void arrives(NodeId, const wire::Slice&, Time) {}
+  /// A fold word is about to come into a node, on that line.
+  virtual void word_arrives(NodeId, wire::FoldWord, Line, Time) {}
   /// A line into a node comes up, or is lost.
   virtual void input_changes(NodeId, Line, Time) {}
   /// The lines out of a node take nothing more for now (false); they take slices again, or one comes up (true).

@@ -189,7 +189,11 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   if (!to.alive || wire_of(arrival.from, arrival.line).epoch != arrival.epoch) return;
   if (to.paused) return to.waiting.push_back(arrival);
   NetworkController& controller = *to.controller;
-  wire::each_slice(arrival.slices.view(), [&](const Slice& slice) { controller.receive(arrival.line, slice, now_); });
+  wire::each_slice(arrival.slices.view(), [&](const Slice& slice) {
+    if (const auto word = wire::fold_word(slice))
+      for (Observer* observer : observers_) observer->word_arrives(arrival.to, *word, arrival.line, now_);
+    controller.receive(arrival.line, slice, now_);
+  });
   // On a line with a data rate most of what comes in has to wait for its turn: then there is nothing to
   // be done but to note when.
   const Time deadline = controller.next_deadline(now_);

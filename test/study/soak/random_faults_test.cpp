@@ -121,6 +121,12 @@ TEST(RandomFaults, BreakNoPromiseWhereANodeHearsItsFirstLineForNoTime) {
   expect_no_breach({3690024363}, RandomFaults::FoldBack::all);
 }
 
+// Another: the word that a fold begins broke off an own packet that was just coming home on the second line, and so it
+// was sent again; the judge took the rest of it for its return.
+TEST(RandomFaults, BreakNoPromiseWhereAFoldBeginsAsAPacketComesHome) {
+  expect_no_breach({3793051187}, RandomFaults::FoldBack::all);
+}
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
