@@ -65,11 +65,12 @@ void Sends::ended(std::uint8_t id, const Observation& seen) {
   if (was_out && proven == 0) proven = seen.at_ns;
 }
 
+// A daemon that was started again gives the same tokens again, and of its first sends only the ends may be seen.
 void Sends::ended_again(std::uint8_t id, const Observation& seen) {
   const SeenNode& node = ring_.at(id);
   const bool had_ended = any_flow(id, seen, [&](Flow& flow) {
     for (const Sent& sent : flow.sends) {
-      if (sent.cut_short || !sent.asked.same_send(seen)) continue;
+      if (sent.cut_short || sent.asked.at_ns < node.known_at || !sent.asked.same_send(seen)) continue;
       report_.break_promise(Promise::one_result, id, id, seen.at_ns, name_of(flow, sent) + " has two results");
       return true;
     }

@@ -146,6 +146,16 @@ TEST_F(JudgeTest, aSecondResultIsNamed) {
   ASSERT_THAT(broken(), ElementsAre(Promise::one_result));
 }
 
+// Of a daemon that was started again, which counts its tokens from 1: chaos over UDP, seed 511, after 935 s.
+TEST_F(JudgeTest, theResultOfASendThatWasAskedForBeforeWeObservedIsNotTakenForASecondOneOfAFormerLife) {
+  deliver(1, 2, 5);
+  judge.ends(1);
+  begins(1);
+  end(1, 2, 5, Outcome::delivered);
+  EXPECT_THAT(broken(), IsEmpty());
+  EXPECT_EQ(unjudged(Unjudged::source_unknown), 1u);
+}
+
 TEST_F(JudgeTest, aResultThatNeverComesIsNamed) {
   ask(1, 2, 5);
   rounds(100);  // 5 s
