@@ -234,10 +234,14 @@ Answer InputChecker::offer_interrupt(NodeId node, const PacketFields& packet, Se
 void InputChecker::comes_home(NodeId node, const PacketFields& packet, Time at_end) {
   NodeRecord& n = record_.at(node);
   const bool interrupt = packet.code().interrupt;
-  if (!packet.crc_good() || !wire::trailer_valid(packet.bytes)) return record_.ledger.returned_damaged(node, interrupt);
+  if (!packet.crc_good() || !wire::trailer_valid(packet.bytes)) {
+    if (!interrupt) n.damaged_at = at_end;
+    return record_.ledger.returned_damaged(node, interrupt);
+  }
   if (!interrupt && wire::is_control(packet)) {
     const bool is_last = n.control.crc == crc_at_source(packet) && n.control.code == packet.code_byte();
-    const bool sure = !record_.ledger.was_damaged(node, false);
+    // Of two copies that came home damaged in the instant in which this try left, the second one may have ended it.
+    const bool sure = !record_.ledger.was_damaged(node, false) && n.damaged_at < n.control.left;
     n.control_home = at_end;
     n.hello_out = false;
     n.receiver.announce(is_last && sure, at_end);

@@ -35,7 +35,8 @@ struct NodeRecord {
   void archive(Archive& a) {
     a("forwarding", forwarding)("buffers", buffers)("receiver", receiver)("pins", pins)("history", history);
     a("began", began)("news_at", news_at)("control_home", control_home);
-    a("hello_begun", hello_begun)("hello_left", hello_left)("hello_out", hello_out)("control", control);
+    a("hello_begun", hello_begun)("hello_left", hello_left)("hello_out", hello_out)("control", control)("damaged_at",
+                                                                                                        damaged_at);
     a("interrupt_free", interrupt_free)("away_since", away_since);
   }
 
@@ -55,8 +56,9 @@ struct NodeRecord {
   bool hello_left = false;
   bool hello_out = false;  ///< a hello has left and is not home: nothing else may leave
   OwnControl control;
-  Time interrupt_free{};           ///< its last own INTP ended
-  std::optional<Time> away_since;  ///< killed or frozen
+  Time damaged_at{core::Duration{-1}};  ///< an own DATP last came home damaged
+  Time interrupt_free{};                ///< its last own INTP ended
+  std::optional<Time> away_since;       ///< killed or frozen
 };
 
 /// What has been seen of a virtual ring, from outside: shared by the checkers of what leaves nodes, of what comes into

@@ -127,6 +127,10 @@ TEST(RandomFaults, BreakNoPromiseWhereAFoldBeginsAsAPacketComesHome) {
   expect_no_breach({3793051187}, RandomFaults::FoldBack::all);
 }
 
+// Another: two copies of a hello came home damaged at once. The second one ended the last try as it left, so that its
+// good return said nothing; the judge took it for the end of the hello.
+TEST(RandomFaults, BreakNoPromiseWhereALastTryEndsAsItLeaves) { expect_no_breach({3799005189}); }
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
