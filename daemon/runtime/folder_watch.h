@@ -2,10 +2,12 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+
+#include "event_loop/ticker.h"
 
 namespace limb_ring::runtime {
 
@@ -31,11 +33,13 @@ class FolderWatch {
   void stop();
 
  private:
-  void every(boost::asio::steady_timer& timer, std::chrono::milliseconds period, void (FolderWatch::*check)());
+  void check_folder_later();
   void check_folder();
   void check_log();
 
-  boost::asio::steady_timer timer_, log_timer_;
+  boost::asio::io_context& io_;
+  boost::asio::steady_timer timer_;
+  std::optional<event_loop::Ticker> log_ticker_;
   Folder folder_;
   std::shared_ptr<bool> stopped_ = std::make_shared<bool>(false);  ///< outlived by a call that is due
   bool told_ = false;                                              ///< that it cannot be made
