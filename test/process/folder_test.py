@@ -70,7 +70,10 @@ class Folder(RingTest):
                 self.assertTrue(os.path.isfile(self.socket_of(0, kind)))
 
     def test_is_not_filled_by_a_cpu_that_writes_all_the_time(self):
-        script = self.script('talks', 'head -c 6000000 /dev/zero | tr "\\0" x\nexec %s\n' % program('limb_firmware'))
+        # In one write: what came behind a new beginning would stay in the log.
+        in_one_write = 'dd bs=6000000 iflag=fullblock status=none'
+        script = self.script('talks', 'head -c 6000000 /dev/zero | tr "\\0" x | %s\nexec %s\n' %
+                             (in_one_write, program('limb_firmware')))
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = {'command': [script]}
         for clock in 'machine', 'virtual':
