@@ -12,7 +12,7 @@
 #include "config/characters.h"
 #include "config/names.h"
 #include "config/quantity.h"
-#include "live/ring_clock.h"
+#include "live/connect_node.h"
 #include "ros_bridge/answered.h"
 #include "ros_bridge/outcome_word.h"
 

@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "limb_ring/host_port.h"
+#include "live/connect_node.h"
 #include "live/not_done.h"
-#include "live/ring_clock.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -24,12 +24,7 @@ const json* broken_line(const Rows& rows) {
 }
 
 json ask_daemon(const ResetQuery& query) {
-  ConnectOptions options;
-  options.ring = query.ring;
-  options.node = std::to_string(query.from);
-  options.asks_only = true;
-  options.timeout = milliseconds(0);
-  HostPort port = HostPort::connect(options);
+  HostPort port = live::connect_node(query.ring, std::to_string(query.from));
   const json request{{"do", "reset"}, {"node", query.target}, {"timeout_ms", query.timeout.count()}};
   return live::ask_for_people(port, request, query.timeout + kMargin);
 }

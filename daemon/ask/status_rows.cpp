@@ -5,6 +5,7 @@
 
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
+#include "live/connect_node.h"
 #include "live/lock_files.h"
 #include "process/in_parallel.h"
 
@@ -22,12 +23,7 @@ std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono
   const live::Holder holder = live::holder_of(ring_directory(ring), id);
   if (!holder.held || holder.frozen) return std::nullopt;
   try {
-    ConnectOptions options;
-    options.ring = ring;
-    options.node = std::to_string(id);
-    options.asks_only = true;
-    options.timeout = std::chrono::milliseconds(0);
-    HostPort port = HostPort::connect(options);
+    HostPort port = live::connect_node(ring, std::to_string(id));
     json row = json::parse(port.ask(R"({"do": "status"})", timeout), nullptr, /*allow_exceptions=*/false);
     if (row.is_object()) return row;
   } catch (const std::exception&) {

@@ -1,6 +1,9 @@
 #include "live/ring_clock.h"
 
+#include <chrono>
+
 #include "limb_ring/ring_directory.h"
+#include "live/connect_node.h"
 #include "live/lock_files.h"
 #include "process/process_state.h"
 
@@ -23,13 +26,8 @@ bool answers_as_virtual(const std::string& ring) {
 
 json ring_clock(const std::string& ring) {
   if (!answers_as_virtual(ring)) return json();
-  ConnectOptions options;
-  options.ring = ring;
-  options.node = std::to_string(kBroadcast);  // the host port of the ring itself, of no node
-  options.asks_only = true;
-  options.timeout = std::chrono::milliseconds(0);
   try {
-    HostPort port = HostPort::connect(options);
+    HostPort port = connect_ring(ring);
     json clock = json::parse(port.ask(R"({"do": "clock"})", kClockAnswer));
     clock["now_s"] = clock.at("now_ns").get<double>() / 1e9;
     clock.erase("now_ns");
@@ -48,10 +46,6 @@ std::string standing_clock(const std::string& ring) {
 std::string with_standing_clock(const std::string& problem, const std::string& ring) {
   const std::string standing = standing_clock(ring);
   return standing.empty() ? problem : problem + ": " + standing;
-}
-
-json ask_for_people(HostPort& port, const json& request, std::chrono::milliseconds timeout) {
-  return json::parse(port.reply(port.request(request.dump()), timeout));
 }
 
 }  // namespace limb_ring::live

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
-
-#include "limb_ring/host_port.h"
 
 namespace limb_ring::live {
 
@@ -16,8 +13,5 @@ nlohmann::json ring_clock(const std::string& ring);
 std::string standing_clock(const std::string& ring);
 /// `problem`, of something that has not happened in time, and standing_clock() where it stands.
 std::string with_standing_clock(const std::string& problem, const std::string& ring);
-
-/// As HostPort::ask(), but for people, who did not write the request: what goes wrong does not quote it.
-nlohmann::json ask_for_people(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout);
 
 }  // namespace limb_ring::live

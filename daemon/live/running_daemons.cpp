@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "limb_ring/ring_directory.h"
+#include "live/connect_node.h"
 #include "live/node_notes.h"
 #include "live/ring_clock.h"
 #include "process/process_state.h"
@@ -78,12 +79,7 @@ void RunningDaemons::require_runs(wire::NodeId id) const {
 HostPort RunningDaemons::connect(wire::NodeId id) const {
   require_runs(id);
   if (is_frozen(id)) throw NotDone("node " + node(id).name + " is frozen: its daemon does not answer; thaw it first");
-  ConnectOptions options;
-  options.ring = ring_;
-  options.node = node(id).number;
-  options.asks_only = true;
-  options.timeout = milliseconds(0);
-  return HostPort::connect(options);
+  return connect_node(ring_, node(id).number);
 }
 
 json RunningDaemons::ask(wire::NodeId id, const json& request) const {
@@ -99,12 +95,7 @@ json RunningDaemons::ask_for_boot(wire::NodeId id, const json& request) const {
 }
 
 json RunningDaemons::ask_ring(const json& request) const {
-  ConnectOptions options;
-  options.ring = ring_;
-  options.node = std::to_string(wire::kBroadcast);
-  options.asks_only = true;
-  options.timeout = milliseconds(0);
-  HostPort port = HostPort::connect(options);
+  HostPort port = connect_ring(ring_);
   return ask_through(port, request, kAnswer);
 }
 

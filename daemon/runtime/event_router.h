@@ -7,7 +7,6 @@
 #include "runtime/lately_damaged.h"
 #include "runtime/node_driver.h"
 #include "runtime/node_folder.h"
-
 #include "runtime/observers.h"
 #include "runtime/pin_board.h"
 #include "runtime/round_trips.h"
