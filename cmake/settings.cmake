@@ -36,6 +36,15 @@ function(limb_ring_plain_link target)
   endif()
 endfunction()
 
+# A program of which a ring runs one process a node. At a fixed address (no PIE) the branches that the processor has learned
+# in one of them serve in all: on one core a packet is round in three quarters of the time. Only the program's own code is
+# at an address that is known; libraries, heap and stack stay where the kernel puts them.
+function(limb_ring_one_a_node target)
+  if(NOT LIMB_RING_SANITIZE AND NOT LIMB_RING_FUZZ)
+    target_link_libraries(${target} PRIVATE -no-pie)
+  endif()
+endfunction()
+
 # What is not in the way of a packet: a third less to compile (-O1: a fifth). Release builds alone; elsewhere the build type
 # says it.
 function(limb_ring_cold target)
