@@ -1,12 +1,6 @@
 #include "runtime/request_fields.h"
 
-#include <map>
-#include <set>
-#include <vector>
-
 #include "client/arguments.h"
-#include "config/characters.h"
-#include "config/names.h"
 #include "wire/packet.h"
 
 namespace limb_ring::runtime {
@@ -31,38 +25,6 @@ nlohmann::json object_in(const std::string& text, const char* problem) {
   nlohmann::json object = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!object.is_object()) throw RequestError(problem);
   return object;
-}
-
-void require_known_members(const nlohmann::json& request) {
-  static const std::map<std::string, std::set<std::string>> known{
-      {"allow", {"until_ns", "outer_zero_ns"}},
-      {"clear_faults", {}},
-      {"clock", {}},
-      {"config", {}},
-      {"fault", {"fault"}},
-      {"faults", {}},
-      {"latch", {}},
-      {"pace", {"pace"}},
-      {"pause", {}},
-      {"ping", {"to", "count", "duration_ms", "size", "priority", "interval_us", "deadline_ms"}},
-      {"remove_fault", {"id"}},
-      {"reset", {"node", "timeout_ms"}},
-      {"run", {}},
-      {"shutdown", {}},
-      {"status", {}},
-      {"step", {"time_ns"}},
-      {"stop", {"node"}},
-      {"stop_latched", {"latched"}},
-      {"sync", {}},
-      {"went_on_without", {"whom"}}};
-  const auto members = known.find(request.at("do").get<std::string>());
-  if (members == known.end()) return;  // there is no such request
-  for (const auto& [member, value] : request.items()) {
-    if (member == "do" || members->second.count(member) != 0) continue;
-    const std::vector<std::string> others(members->second.begin(), members->second.end());
-    throw RequestError(members->first + ": '" + config::printable(member) + "' is unknown; " +
-                       (others.empty() ? "it takes nothing" : "it takes: " + config::join(others)));
-  }
 }
 
 std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,

@@ -21,9 +21,6 @@ std::string text_of(const nlohmann::json& answer);
 /// @throw RequestError where it is none, or nested too deep
 nlohmann::json object_in(const std::string& text, const char* problem);
 
-/// @pre it has a text `do` @throw RequestError naming a member that this request does not take, and those it takes
-void require_known_members(const nlohmann::json& request);
-
 /// A whole number within `least` and `most`, `otherwise` where the field is missing.
 /// @throw RequestError naming the field and what is allowed
 std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,

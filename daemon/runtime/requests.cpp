@@ -4,11 +4,12 @@
 
 #include <csignal>
 #include <map>
-#include <set>
 
+#include "config/names.h"
 #include "limb_ring/host_port.h"
 #include "runtime/clock_requests.h"
 #include "runtime/request_fields.h"
+#include "runtime/request_kind.h"
 #include "runtime/round_trips.h"
 
 namespace limb_ring::runtime {
@@ -35,6 +36,12 @@ nlohmann::json hosts_json(const config::RingConfig& ring) {
   return hosts;
 }
 
+std::string names() {
+  std::vector<std::string> names;
+  for (const RequestKind& kind : request_kinds()) names.push_back(kind.name);
+  return config::join(names);
+}
+
 }  // namespace
 
 void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
@@ -50,30 +57,26 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     constexpr const char* kRule = "a request is a JSON object {\"do\": \"...\", ...}";
     const Json request = object_in(text, kRule);
     if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRule);
-    require_known_members(request);
-    const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
+    const RequestKind* kind = find_request_kind(request);
+    if (kind == nullptr)
+      throw RequestError("no request '" + request["do"].get<std::string>() + "'; there are " + names());
+    require_known_members(request, *kind);
+    const auto fault_handler = fault_handlers.find(kind->name);
     if (fault_handler != fault_handlers.end()) return fault_handler->second(to_.faults, request, answer);
-    if (request["do"] == "stop_latched") return stop_latched(request, of_cpu, answer);
+    if (kind->name == "stop_latched") return stop_latched(request, of_cpu, answer);
     const Answer while_here = [answer, here = std::weak_ptr<void>(here_)](const Json& reply) {
       if (!here.expired()) answer(reply);
     };
-    if (answer_clock_request(to_.virtual_clock, request["do"].get<std::string>(), request, while_here)) return;
-    const auto handler = handlers.find(request["do"].get<std::string>());
-    if (handler == handlers.end())
-      throw RequestError("no request '" + request["do"].get<std::string>() +
-                         "'; there are allow, clear_faults, clock, config, fault, faults, latch, pace, pause, ping, "
-                         "remove_fault, reset, run, shutdown, status, step, stop, sync, went_on_without");
-    (this->*handler->second)(request, answer);
+    if (answer_clock_request(to_.virtual_clock, kind->name, request, while_here)) return;
+    (this->*handlers.at(kind->name))(request, answer);
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});
   }
 }
 
 bool Requests::changes_something(const std::string& text) {
-  static const std::set<std::string> changing{"clear_faults", "fault", "ping", "remove_fault", "reset", "stop", "sync"};
-  const Json request = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  const Json what = request.is_object() ? request.value("do", Json()) : Json();
-  return what.is_string() && changing.count(what.get<std::string>()) != 0;
+  const RequestKind* kind = find_request_kind(Json::parse(text, nullptr, /*allow_exceptions=*/false));
+  return kind != nullptr && kind->changes_something;
 }
 
 void Requests::clock(const Json&, const Answer& answer) {

@@ -5,6 +5,7 @@
 #include "limb_ring/ring_directory.h"
 #include "runtime/clock_requests.h"
 #include "runtime/request_fields.h"
+#include "runtime/request_kind.h"
 
 namespace limb_ring::virtual_host {
 
@@ -73,7 +74,7 @@ void RingPort::on_request(host::ClientId client, const client::JsonRequest& requ
   try {
     const json what =
         runtime::object_in(std::string(request.json), "a request is a JSON object {\"do\": \"...\", ...}");
-    if (what.contains("do") && what["do"].is_string()) runtime::require_known_members(what);
+    if (const auto* kind = runtime::find_request_kind(what)) runtime::require_known_members(what, *kind);
     if (what.value("do", json()) == "fault") return begin_fault(what, answer);
     answer_of_clock(what, answer);
   } catch (const std::exception& error) {

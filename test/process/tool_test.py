@@ -1,11 +1,12 @@
 """Tools at a host port: own results, observers, status, shutdown."""
 
 import os
+import re
 import subprocess
 
 import ring_process
 from ring_process import RingTest, plain_nodes
-from limb_ring import BROADCAST, Disconnected, Observed, Packet, Result
+from limb_ring import BROADCAST, Disconnected, HostPortError, Observed, Packet, Result
 
 
 class Tools(RingTest):
@@ -26,6 +27,25 @@ class Tools(RingTest):
         self.assert_refused("ping: 'size_bytes' is unknown; it takes: count, deadline_ms, duration_ms, interval_us, "
                             'priority, size, to', port, {'do': 'ping', 'to': 1, 'size_bytes': 5})
         self.assert_refused("status: 'node' is unknown; it takes nothing", port, {'do': 'status', 'node': 1})
+
+    def test_each_request_is_known_documented_and_answered(self):
+        self.start_ring(plain_nodes(2))
+        port = self.port(0)
+        with self.assertRaises(HostPortError) as refused:
+            port.ask({'do': 'dance'})
+        known = str(refused.exception).split('there are ')[1].split(', ')
+        page = os.path.join(os.path.dirname(__file__), '..', '..', 'daemon', 'host', 'requests.md')
+        with open(page) as text:
+            table = text.read().split('|---|---|---|')[1].split('\n\n')[0]
+        first_column = [row.split('|')[1] for row in table.strip().split('\n')]
+        self.assertEqual(known, sorted(name for cell in first_column for name in re.findall('`([a-z_]+)`', cell)))
+        known.remove('shutdown')
+        for name in known + ['shutdown']:
+            with self.subTest(request=name):
+                try:
+                    port.ask({'do': name})
+                except HostPortError as error:  # says what is missing, or on which ring it can be done
+                    self.assertRegex(str(error), 'missing|allowed|virtual|alone|no pin')
 
     def test_client_that_leaves_takes_its_sends_along(self):
         nodes = plain_nodes(2)

@@ -1,0 +1,54 @@
+#include "runtime/request_kind.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "config/characters.h"
+#include "config/names.h"
+#include "runtime/request_fields.h"
+
+namespace limb_ring::runtime {
+
+const std::vector<RequestKind>& request_kinds() {
+  static const std::vector<RequestKind> kinds{
+      {"allow", {"outer_zero_ns", "until_ns"}, false},
+      {"clear_faults", {}, true},
+      {"clock", {}, false},
+      {"config", {}, false},
+      {"fault", {"fault"}, true},
+      {"faults", {}, false},
+      {"latch", {}, false},
+      {"pace", {"pace"}, false},
+      {"pause", {}, false},
+      {"ping", {"count", "deadline_ms", "duration_ms", "interval_us", "priority", "size", "to"}, true},
+      {"remove_fault", {"id"}, true},
+      {"reset", {"node", "timeout_ms"}, true},
+      {"run", {}, false},
+      {"shutdown", {}, false},
+      {"status", {}, false},
+      {"step", {"time_ns"}, false},
+      {"stop", {"node"}, true},
+      {"stop_latched", {"latched"}, false},
+      {"sync", {}, true},
+      {"went_on_without", {"whom"}, false}};
+  return kinds;
+}
+
+const RequestKind* find_request_kind(const nlohmann::json& request) {
+  const auto name = request.find("do");
+  if (name == request.end() || !name->is_string()) return nullptr;
+  const auto& kinds = request_kinds();
+  const auto found =
+      std::find_if(kinds.begin(), kinds.end(), [&](const RequestKind& kind) { return *name == kind.name; });
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+void require_known_members(const nlohmann::json& request, const RequestKind& kind) {
+  for (const auto& [member, value] : request.items()) {
+    if (member == "do" || std::count(kind.members.begin(), kind.members.end(), member) != 0) continue;
+    throw RequestError(kind.name + ": '" + config::printable(member) + "' is unknown; " +
+                       (kind.members.empty() ? "it takes nothing" : "it takes: " + config::join(kind.members)));
+  }
+}
+
+}  // namespace limb_ring::runtime
