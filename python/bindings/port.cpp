@@ -61,7 +61,7 @@ void look_for_signals_meanwhile() {
 
 HostPort connect(const std::string& ring, const std::string& node, const std::string& role, double timeout,
                  double alive_period, bool restarted_by_owner, bool results_may_wait, bool lockstep,
-                 const std::string& runtime) {
+                 const std::string& runtime, bool asks_only) {
   ConnectOptions options;
   options.ring = ring;
   options.node = node;
@@ -72,6 +72,7 @@ HostPort connect(const std::string& ring, const std::string& node, const std::st
   options.results_may_wait = results_may_wait;
   options.lockstep = lockstep;
   options.runtime = runtime;
+  options.asks_only = asks_only;
   options.timeout = whole(wanted(timeout));
   options.meanwhile = look_for_signals_meanwhile;
   py::gil_scoped_release others_may_run;
@@ -179,9 +180,9 @@ void bind_port(py::module& module) {
   py::class_<Port>(module, "Port")
       .def(py::init([](const std::string& ring, const std::string& node, const std::string& role, double timeout,
                        double alive_period, bool restarted_by_owner, bool results_may_wait, bool lockstep,
-                       const std::string& runtime) {
-        return std::make_unique<Port>(
-            connect(ring, node, role, timeout, alive_period, restarted_by_owner, results_may_wait, lockstep, runtime));
+                       const std::string& runtime, bool asks_only) {
+        return std::make_unique<Port>(connect(ring, node, role, timeout, alive_period, restarted_by_owner,
+                                              results_may_wait, lockstep, runtime, asks_only));
       }))
       .def_property_readonly("id", [](Port& p) { return Use(p)->id(); })
       .def_property_readonly("name", [](Port& p) { return Use(p)->name(); })

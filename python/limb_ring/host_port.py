@@ -51,18 +51,22 @@ class HostPort:
 
     @classmethod
     def connect(cls, ring='', node='', role='tool', timeout=2.0, alive_period=0.0, restarted_by_owner=False,
-                results_may_wait=False, lockstep=True, runtime=''):
+                results_may_wait=False, lockstep=True, runtime='', asks_only=False):
         """
         @param ring its name; '': LIMB_RING_RING, else the only ring running
         @param node id or name; '': LIMB_RING_NODE
         @param role 'tool', or 'cpu': the node's CPU, which gets packets and interrupts
         @param timeout how long to go on trying while the daemon is not there yet; one that is has 2 s at least to answer
         @param alive_period role cpu: promises to call something here at least so often; 0: no promise
+        @param restarted_by_owner role cpu, not a child of ringd: somebody starts it again when a reset has killed it
+        @param results_may_wait a Result may come 20 ms late, with the next packet: for who sends at a fixed rate and waits
+            for none; it spares a wake-up per send
         @param lockstep role cpu, on a virtual ring: its time goes on only while this program waits in a call of this
         @param runtime folder in the place of XDG_RUNTIME_DIR
+        @param asks_only it asks for something and goes: there is a place for it where `limits.clients` are taken
         @raise HostPortError what went wrong, and what would be right; HostPortTimeout where the daemon is not there"""
         return cls(_client.Port(ring, str(node), role, timeout, alive_period, restarted_by_owner, results_may_wait,
-                                lockstep, runtime))
+                                lockstep, runtime, asks_only))
 
     @property
     def id(self):

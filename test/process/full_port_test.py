@@ -5,6 +5,7 @@ import struct
 
 import ring_process
 from ring_process import RingTest, plain_nodes
+from limb_ring import HostPortError
 
 ASKS_ONLY = 8
 
@@ -42,6 +43,13 @@ class FullPort(RingTest):
         self.assertEqual(self.ctl('--ring', self.ring, 'wait', 'up').returncode, 0)
         stop = self.ctl('--ring', self.ring, 'stop')
         self.assertIn("the stop ended 'delivered'", stop.stdout, stop.stderr)
+
+    def test_can_be_asked_from_python(self):
+        self.start_ring(plain_nodes(2), limits={'clients': 2})
+        self.fill(0)
+        with self.assertRaisesRegex(HostPortError, 'has 2 clients already'):
+            self.port(0)
+        self.assertEqual(self.port(0, asks_only=True).ask({'do': 'status'})['id'], 0)
 
     def test_others_are_told_the_limit(self):
         self.start_ring(plain_nodes(2), limits={'clients': 2})

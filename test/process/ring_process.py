@@ -138,7 +138,7 @@ class RingTest(unittest.TestCase):
     def row(self, node):
         """A node's status row; None while its daemon does not answer."""
         try:
-            with HostPort.connect(ring=self.ring, node=node, runtime=self.runtime, timeout=0) as port:
+            with HostPort.connect(ring=self.ring, node=node, runtime=self.runtime, timeout=0, asks_only=True) as port:
                 return port.ask({'do': 'status'}, timeout=2)
         except HostPortError:
             return None
