@@ -37,7 +37,7 @@ function(limb_ring_plain_link target)
 endfunction()
 
 # A program of which a ring runs one process a node. At a fixed address (no PIE) the branches that the processor has learned
-# in one of them serve in all: on one core a packet is round in three quarters of the time. Only the program's own code is
+# in one of them serve in all: with the nodes on one core, up to a quarter of the round trip. Only the program's own code is
 # at an address that is known; libraries, heap and stack stay where the kernel puts them.
 function(limb_ring_one_a_node target)
   if(NOT LIMB_RING_SANITIZE AND NOT LIMB_RING_FUZZ)
