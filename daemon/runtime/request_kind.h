@@ -6,6 +6,8 @@
 
 namespace limb_ring::runtime {
 
+constexpr const char* kRequestRule = "a request is a JSON object {\"do\": \"...\", ...}";
+
 /// A request that a daemon answers (daemon/host/requests.md).
 struct RequestKind {
   std::string name;                  ///< its `do`

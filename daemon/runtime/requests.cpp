@@ -54,9 +54,8 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
   static const std::map<std::string, FaultHandler> fault_handlers{
       {"clear_faults", clear_faults}, {"fault", begin_fault}, {"faults", list_faults}, {"remove_fault", remove_fault}};
   try {
-    constexpr const char* kRule = "a request is a JSON object {\"do\": \"...\", ...}";
-    const Json request = object_in(text, kRule);
-    if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRule);
+    const Json request = object_in(text, kRequestRule);
+    if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRequestRule);
     const RequestKind* kind = find_request_kind(request);
     if (kind == nullptr)
       throw RequestError("no request '" + request["do"].get<std::string>() + "'; there are " + names());

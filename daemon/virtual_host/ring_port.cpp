@@ -72,8 +72,7 @@ void RingPort::on_request(host::ClientId client, const client::JsonRequest& requ
     host_.reply(client, token, runtime::text_of(reply));
   };
   try {
-    const json what =
-        runtime::object_in(std::string(request.json), "a request is a JSON object {\"do\": \"...\", ...}");
+    const json what = runtime::object_in(std::string(request.json), runtime::kRequestRule);
     if (const auto* kind = runtime::find_request_kind(what)) runtime::require_known_members(what, *kind);
     if (what.value("do", json()) == "fault") return begin_fault(what, answer);
     answer_of_clock(what, answer);
