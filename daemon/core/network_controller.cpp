@@ -51,11 +51,17 @@ void NetworkController::set_output_ready(Line line, bool ready) {
 
 void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
   if (journal_ == nullptr) return take_in(line, slice, now);
-  wire::Slice checked = slice;  // once for both, journal and relay
-  const bool good = slice.kind == wire::SliceKind::whole && slice.crc_good();
-  if (slice.kind == wire::SliceKind::whole) checked.crc_checked = good;
-  note(input::Receive{line, checked, good && only_passes(wire::PacketFields{slice.bytes})}, now);
-  take_in(line, checked, now);
+  Input input(std::in_place_type<input::Receive>);  // made where it is seen: copies of it cost as much as recording it
+  auto& call = *std::get_if<input::Receive>(&input);
+  call.line = line;
+  call.slice = slice;
+  if (slice.kind == wire::SliceKind::whole) {
+    const bool good = slice.crc_good();  // once for both, journal and relay
+    call.slice.crc_checked = good;
+    call.only_passes = good && only_passes(wire::PacketFields{slice.bytes});
+  }
+  journal_->goes_in(input, now);
+  take_in(line, call.slice, now);
 }
 
 void NetworkController::take_in(Line line, const wire::Slice& slice, Time now) {
