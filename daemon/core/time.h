@@ -43,6 +43,14 @@ constexpr std::int64_t picoseconds(Duration span) {
   return static_cast<std::int64_t>((span < Duration{0} ? Duration{0} : span < most ? span : most).count());
 }
 
+/// A span in whole nanoseconds, rounded towards 0. Of up to 106 days it is divided in 64 bits; in 128 that takes ten
+/// times as long.
+constexpr std::chrono::nanoseconds whole_nanoseconds(Duration span) {
+  const auto low = static_cast<std::int64_t>(span.count());
+  if (low == span.count()) return std::chrono::nanoseconds(low / 1000);
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(span);
+}
+
 constexpr Time kNever = Time::max();
 
 }  // namespace limb_ring::core

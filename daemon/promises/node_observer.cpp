@@ -23,7 +23,7 @@ NodeObserver::NodeObserver(const core::Settings& settings, nanoseconds zero, std
 Observation NodeObserver::at(Kind kind, core::Time now) const {
   Observation seen;
   seen.kind = kind;
-  seen.at_ns = (zero_ + std::chrono::duration_cast<nanoseconds>(now.time_since_epoch())).count();
+  seen.at_ns = (zero_ + core::whole_nanoseconds(now.time_since_epoch())).count();
   return seen;
 }
 
@@ -154,7 +154,7 @@ void NodeObserver::taken(const core::ReceivedPacket& packet, core::Time now) {
 // Four tries, each of which may wait for the line, after four tries of the previous send.
 nanoseconds longest_send(const core::Settings& settings) {
   const core::Duration tries = wire::kTries * (settings.send_timeout() + settings.queue_timeout);
-  return std::chrono::duration_cast<nanoseconds>(settings.queue_timeout + 2 * tries);
+  return core::whole_nanoseconds(settings.queue_timeout + 2 * tries);
 }
 
 }  // namespace limb_ring::promises

@@ -34,7 +34,7 @@ ReplayedLife::ReplayedLife(std::string file, std::vector<std::uint8_t> saved, Pa
       began_(machine_time(replay_.next())) {}
 
 nanoseconds ReplayedLife::machine_time(core::Time at) const {
-  return nanoseconds(title().zero) + std::chrono::duration_cast<nanoseconds>(at.time_since_epoch());
+  return nanoseconds(title().zero) + core::whole_nanoseconds(at.time_since_epoch());
 }
 
 ReplayedRing::ReplayedRing(const std::string& folder) {

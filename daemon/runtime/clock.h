@@ -21,7 +21,7 @@ class Clock {
   Steady::time_point steady(core::Time when) const {
     const core::Duration since = when.time_since_epoch();
     if (since >= Steady::time_point::max() - start_) return Steady::time_point::max();
-    return start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(since) + std::chrono::nanoseconds(1);
+    return start_ + core::whole_nanoseconds(since) + std::chrono::nanoseconds(1);
   }
 
  private:

@@ -43,7 +43,7 @@ void EventRouter::handle(const core::SendEnded& ended) {
 }
 
 void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ended) {
-  const auto round_trip = std::chrono::duration_cast<std::chrono::nanoseconds>(ended.round_trip);
+  const auto round_trip = core::whole_nanoseconds(ended.round_trip);
   const SendReason reason = to_.reasons.of(ended);
   const Outcome outcome = public_outcome(ended.outcome);
   to_.host.result(client, {ended.token, outcome, round_trip, ended.tries, reason.text, reason.reason});

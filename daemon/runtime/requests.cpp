@@ -167,8 +167,8 @@ void Requests::sync(const Json&, const Answer& answer) {
     Json end = end_of(ended);
     end["ring_size"] = to_.driver.controller().membership().ring_size();
     end["clock_ns"] = clock;
-    end["left_ns"] = to_.driver.clock().now().time_since_epoch().count() -
-                     std::chrono::duration_cast<std::chrono::nanoseconds>(ended.round_trip).count();
+    end["left_ns"] =
+        to_.driver.clock().now().time_since_epoch().count() - core::whole_nanoseconds(ended.round_trip).count();
     answer(end);
   });
 }

@@ -55,7 +55,7 @@ class Run {
   }
 
  private:
-  nanoseconds now() const { return std::chrono::duration_cast<nanoseconds>(stage_.now()); }
+  nanoseconds now() const { return core::whole_nanoseconds(stage_.now()); }
   void log(const std::string& words) { result_.log.push_back({now(), words}); }
   bool fail(const std::string& expected, const std::string& seen) {
     if (!result_.unmet) result_.unmet = Unmet{now(), expected, seen};
@@ -114,7 +114,7 @@ class Run {
     stage_.run_until(done, from + Duration(within), expected);
     if (result_.unmet) return false;
     if (!reached) return fail(expected, seen(condition, stage_));
-    log(expected + ": after " + microseconds(std::chrono::duration_cast<nanoseconds>(stage_.now() - from)));
+    log(expected + ": after " + microseconds(core::whole_nanoseconds(stage_.now() - from)));
     return true;
   }
 

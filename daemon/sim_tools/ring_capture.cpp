@@ -6,9 +6,7 @@ namespace limb_ring::sim {
 
 namespace {
 
-std::chrono::nanoseconds in_ns(core::Time time) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch());
-}
+std::chrono::nanoseconds in_ns(core::Time time) { return core::whole_nanoseconds(time.time_since_epoch()); }
 
 std::string words(const core::StateChanged& change) {
   return std::string(to_string(change.before)) + " -> " + to_string(change.after);

@@ -19,6 +19,13 @@ TEST(Uptime, PicosecondsInSixtyFourBitsEndAtTheirRange) {
   EXPECT_EQ(picoseconds(kCentury), INT64_MAX);
 }
 
+TEST(Uptime, WholeNanosecondsAreRoundedTowardsZeroAndLastForACentury) {
+  EXPECT_EQ(whole_nanoseconds(Duration{1999}), 1ns);
+  EXPECT_EQ(whole_nanoseconds(Duration{-1999}), -1ns);
+  EXPECT_EQ(whole_nanoseconds(kCentury + Duration{1999}), kCentury + 1ns);
+  EXPECT_EQ(whole_nanoseconds(-kCentury - Duration{1999}), -kCentury - 1ns);
+}
+
 TEST(Uptime, ARingDeliversRetriesAndRefusesAsOnItsFirstDay) {
   VirtualRing ring(quick(4));
   ASSERT_TRUE(ring.join());

@@ -40,7 +40,7 @@ PlanReport make_report(const PlanOptions& options) {
   PlanReport report;
   const config::RingConfig ring = config::load_ring(options.config);
   report.assumed = sim::assumes_lines(ring);
-  const auto delay = std::chrono::duration_cast<std::chrono::nanoseconds>(options.medium.relay_delay);
+  const auto delay = core::whole_nanoseconds(options.medium.relay_delay);
   report.ring = sim::with_assumed_lines(ring, options.medium.rate, delay);
   report.streams = study::streams_of(report.ring);
   report.plan = study::plan(report.ring, report.streams);
@@ -72,7 +72,7 @@ std::string simulated_words(const PlanReport& report, const std::string& duratio
 }
 
 std::string assumed_words(const study::Medium& medium) {
-  const auto delay = std::chrono::duration_cast<std::chrono::nanoseconds>(medium.relay_delay);
+  const auto delay = core::whole_nanoseconds(medium.relay_delay);
   return "Assumed for lines without a rate: " + config::format_rate(medium.rate) + ", relay delay " +
          config::format_time(delay) + ".\n";
 }

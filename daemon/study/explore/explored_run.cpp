@@ -170,7 +170,7 @@ void ExploredRun::begin_line_fault(fault::Name name, NodeId id, Line line) {
   fault.second_line = line == Line::second;
   fault.once_in = 1;
   fault.packets = name == fault::Name::duplicate ? 1 : 0;
-  fault.delay = fault.lasts = std::chrono::duration_cast<std::chrono::nanoseconds>(longest);
+  fault.delay = fault.lasts = core::whole_nanoseconds(longest);
   lines_->begin(fault);
 }
 

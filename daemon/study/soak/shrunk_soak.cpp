@@ -84,8 +84,8 @@ bool is_of_slice(const RecordedStep& step) {
 std::chrono::nanoseconds due(const RecordedStep& step) {
   using std::chrono::nanoseconds;
   const core::Duration since = step.at.time_since_epoch();
-  if (!is_of_slice(step)) return std::chrono::duration_cast<nanoseconds>(since);
-  const auto before = std::chrono::duration_cast<nanoseconds>(since - core::Duration{1});
+  if (!is_of_slice(step)) return core::whole_nanoseconds(since);
+  const auto before = core::whole_nanoseconds(since - core::Duration{1});
   return std::max(nanoseconds{0}, before);
 }
 
@@ -109,7 +109,7 @@ struct History {
     for (const RecordedStep& step : steps)
       text += "  - {at: " + config::format_time(due(step)) +
               ", do: " + std::visit([&](const auto& what) { return words.of(what); }, step.what) + "}\n";
-    const auto end = std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch());
+    const auto end = core::whole_nanoseconds(until.time_since_epoch());
     return text + "  - {at: " + config::format_time(end) + "}\n";
   }
 };
