@@ -33,11 +33,26 @@ std::optional<LockFile> locked(const std::string& folder) try {
   throw;
 }
 
-// One without the file is just being made.
+/// The lock last: whoever is killed in between leaves a folder that the next one removes.
+void remove_folder(const std::string& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (it->path() != lock_in(folder)) fs::remove_all(it->path(), ignored);
+  }
+  ::unlink(lock_in(folder).c_str());
+  ::rmdir(folder.c_str());
+}
+
+// One without the file is just being made, and then made again, or what is left of one.
 void remove_if_left(const std::string& folder) try {
+  if (!is_ours(folder)) return;
   std::error_code ignored;
-  if (!is_ours(folder) || !fs::exists(lock_in(folder), ignored)) return;
-  if (const auto lock = LockFile::take(lock_in(folder))) fs::remove_all(folder, ignored);
+  if (!fs::exists(lock_in(folder), ignored)) {
+    ::rmdir(folder.c_str());
+  } else if (const auto lock = LockFile::take(lock_in(folder))) {
+    remove_folder(folder);
+  }
 } catch (const std::system_error&) {  // it is gone, or stays
 }
 
@@ -59,9 +74,6 @@ TemporaryFolder::TemporaryFolder(const std::string& purpose) {
   }
 }
 
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
+TemporaryFolder::~TemporaryFolder() { remove_folder(path_); }
 
 }  // namespace limb_ring::process
