@@ -7,9 +7,12 @@ namespace limb_ring::process {
 SignalWait::SignalWait() {
   ::sigemptyset(&ours_);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) ::sigaddset(&ours_, signal);
-  ::sigprocmask(SIG_BLOCK, &ours_, &before_);
+  ::sigprocmask(SIG_SETMASK, nullptr, &before_);
+  hold();
   ::signal(SIGCHLD, SIG_DFL);  // where our parent ignores it, nobody would be told of a child's end, nor how it ended
 }
+
+void SignalWait::hold() const { ::sigprocmask(SIG_BLOCK, &ours_, nullptr); }
 
 void SignalWait::release() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
 

@@ -16,8 +16,11 @@ class SignalWait {
   SignalWait(const SignalWait&) = delete;
   SignalWait& operator=(const SignalWait&) = delete;
 
-  /// The signals come as they did before: for a copy of this process, which does not wait for them.
+  /// The signals come as they did before: for a copy of this process, which does not wait for them, or while somebody
+  /// else handles them.
   void release() const;
+  /// Held back again.
+  void hold() const;
   /// The next one; 0 where another signal was handled first.
   int next() const;
   /// The next one, waiting up to `timeout`; 0 where none came.

@@ -264,6 +264,22 @@ steps:
             self.assertIn('interrupted', self.log_of(run))
             self.assertEqual(os.listdir(self.temporary), [])
 
+    def test_an_interrupt_before_the_ring_is_there_is_reported(self):
+        log, junit = os.path.join(self.folder, 'log'), os.path.join(self.folder, 'out.xml')
+        os.mkfifo(log)   # whoever opens it waits for a reader: ringctl does so to see whether it can, and in the run
+        run = self.start('run', [ring_process.program('ringctl'), 'scenario', 'run', '--virtual', '--log', log,
+                                 '--junit', junit, self.scenario(NOTHING, self.nodes())])
+        os.close(os.open(log, os.O_RDONLY))
+        self.wait('the run has begun', lambda: os.listdir(self.temporary))
+        run.send_signal(signal.SIGINT)
+        reader = os.open(log, os.O_RDONLY | os.O_NONBLOCK)
+        self.addCleanup(os.close, reader)
+        self.assertEqual(self.wait_exit(run), 1)
+        self.assertIn('interrupted', self.log_of(run))
+        with open(junit) as report:
+            self.assertIn('interrupted', report.read())
+        self.assertEqual(os.listdir(self.temporary), [])
+
     # ---- wrong use ------------------------------------------------------------------------
 
     def test_wrong_use_is_told(self):

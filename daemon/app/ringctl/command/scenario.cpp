@@ -142,21 +142,18 @@ std::string verdict_of(const std::vector<ScenarioRun>& runs) {
   return all + (count == 0 ? "all as expected" : std::to_string(count) + " not as expected:" + unmet);
 }
 
-/// Ctrl-C, which is held back so that what was found is reported. Real programs under a virtual clock end by it
-/// themselves.
-using Signals = std::optional<process::SignalWait>;
-
-void throw_if_interrupted(const Signals& signals) {
-  if (signals && signals->was_asked_to_end()) throw Interrupted();
+/// Of Ctrl-C, which is held back so that what was found is reported.
+void throw_if_interrupted(const process::SignalWait& signals) {
+  if (signals.was_asked_to_end()) throw Interrupted();
 }
 
 ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::ostream* capture,
-                 std::string& log_problem, Signals& signals) {
+                 std::string& log_problem, process::SignalWait& signals) {
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
-  if (options.live) return play_live(scenario, seed, options.transport, *signals);
+  if (options.live) return play_live(scenario, seed, options.transport, signals);
   if (options.with_programs)
-    return play_virtual(scenario, seed, {options.scenario_cpus, options.log, capture, at, &log_problem});
+    return play_virtual(scenario, seed, {options.scenario_cpus, options.log, capture, at, &log_problem}, signals);
   return run_scenario(scenario, seed, capture, at, [&signals] { throw_if_interrupted(signals); });
 }
 
@@ -185,8 +182,7 @@ int run(const ScenarioOptions& options) {
   std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;
   std::string log_problem;
-  Signals signals;
-  if (!options.with_programs) signals.emplace();
+  process::SignalWait signals;
   try {
     for (const Scenario& scenario : scenarios) {
       throw_if_interrupted(signals);

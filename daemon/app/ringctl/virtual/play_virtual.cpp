@@ -45,6 +45,18 @@ std::shared_ptr<std::string> log_to(const std::string& path) {
   return problem;
 }
 
+/// Not held back as long as it lives.
+class LetThrough {
+ public:
+  explicit LetThrough(const process::SignalWait& signals) : signals_(signals) { signals_.release(); }
+  ~LetThrough() { signals_.hold(); }
+  LetThrough(const LetThrough&) = delete;
+  LetThrough& operator=(const LetThrough&) = delete;
+
+ private:
+  const process::SignalWait& signals_;
+};
+
 }  // namespace
 
 void require_virtual(const scenario::Scenario& scenario, const VirtualPlay& play) {
@@ -57,7 +69,8 @@ void require_virtual(const scenario::Scenario& scenario, const VirtualPlay& play
   open_log(play.log);
 }
 
-scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint64_t seed, const VirtualPlay& play) {
+scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint64_t seed, const VirtualPlay& play,
+                                   const process::SignalWait& signals) {
   const live::PrivateFolder folder;
   const config::RingConfig ring = ring_of(scenario, seed, play);
   const process::UniqueFd log = open_log(play.log);
@@ -65,6 +78,7 @@ scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint
   program_stage::ProgramStage stage(scenario, ring, seed, log.get());
   std::optional<sim::RingCapture> captured;
   if (play.capture != nullptr) captured.emplace(stage.ring(), *play.capture, sim::names_of(ring), play.at);
+  const LetThrough signals_for_stage(signals);
   scenario::ScenarioRun run = run_scenario(scenario, seed, stage);
   run.trace = stage.trace();
   if (play.log_problem != nullptr && !log_problem->empty()) *play.log_problem = *log_problem;

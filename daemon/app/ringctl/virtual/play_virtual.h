@@ -3,6 +3,7 @@
 #include <ostream>
 #include <string>
 
+#include "process/signal_wait.h"
 #include "scenario/scenario_run.h"
 
 namespace limb_ring::ringctl {
@@ -21,7 +22,9 @@ struct VirtualPlay {
 void require_virtual(const scenario::Scenario& scenario, const VirtualPlay& play);
 
 /// Plays it, its sockets in a private folder; all programs have ended when this returns or throws.
+/// @param signals come to the ring while there is one: it ends by them
 /// @pre require_virtual() @throw std::runtime_error where it is interrupted, or a socket cannot be had
-scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint64_t seed, const VirtualPlay& play);
+scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint64_t seed, const VirtualPlay& play,
+                                   const process::SignalWait& signals);
 
 }  // namespace limb_ring::ringctl
