@@ -69,7 +69,7 @@ class Connection {
   Inbox& inbox() { return inbox_; }
   /// Nobody waits for its end any more: that is dropped when it comes.
   void forget(std::uint32_t token) { pending_.remove(token); }
-  bool outstanding(std::uint32_t token) const { return pending_.contains(token); }
+  bool outstanding(std::uint32_t token, Pending::Ends ends) const { return pending_.contains(token, ends); }
 
   std::uint8_t id = 0;
   std::string name;

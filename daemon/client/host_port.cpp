@@ -76,8 +76,10 @@ struct HostPort::Impl {
   }
 
   /// Of a wait for the end of a call; now, where that can no longer come.
-  std::chrono::nanoseconds deadline_of(std::uint32_t token, std::chrono::milliseconds timeout) const {
-    return connection.now() + (connection.outstanding(token) ? at_most_longest(timeout) : std::chrono::nanoseconds{0});
+  std::chrono::nanoseconds deadline_of(std::uint32_t token, Pending::Ends ends,
+                                       std::chrono::milliseconds timeout) const {
+    const bool may_come = connection.outstanding(token, ends);
+    return connection.now() + (may_come ? at_most_longest(timeout) : std::chrono::nanoseconds{0});
   }
 
   client::Connection connection;
@@ -174,8 +176,10 @@ std::string HostPort::ask(const std::string& json, std::chrono::milliseconds tim
 std::string HostPort::reply(std::uint32_t token, std::chrono::milliseconds timeout) {
   impl_->connection.stay_alive();
   client::Inbox& inbox = impl_->connection.inbox();
-  const auto reply = impl_->read_until([&] { return inbox.take_reply(token); }, impl_->deadline_of(token, timeout));
-  if (!reply && !impl_->connection.outstanding(token)) {
+  const auto ends = Pending::Ends::with_reply;
+  const auto reply =
+      impl_->read_until([&] { return inbox.take_reply(token); }, impl_->deadline_of(token, ends, timeout));
+  if (!reply && !impl_->connection.outstanding(token, ends)) {
     throw HostPortError("token " + std::to_string(token) + ": no reply is outstanding (was it received already?)");
   }
   if (!reply) {
@@ -190,9 +194,11 @@ std::string HostPort::reply(std::uint32_t token, std::chrono::milliseconds timeo
 Result HostPort::wait(std::uint32_t token, std::chrono::milliseconds timeout) {
   impl_->connection.stay_alive();
   client::Inbox& inbox = impl_->connection.inbox();
-  const auto result = impl_->read_until([&] { return inbox.take_result(token); }, impl_->deadline_of(token, timeout));
+  const auto ends = Pending::Ends::with_result;
+  const auto result =
+      impl_->read_until([&] { return inbox.take_result(token); }, impl_->deadline_of(token, ends, timeout));
   if (result) return *result;
-  if (!impl_->connection.outstanding(token)) {
+  if (!impl_->connection.outstanding(token, ends)) {
     throw HostPortError("token " + std::to_string(token) + ": no result is outstanding (was it received already?)");
   }
   throw HostPortTimeout("token " + std::to_string(token) + ": no result within " + std::to_string(timeout.count()) +

@@ -17,7 +17,11 @@ class Pending {
   std::uint32_t add(Ends ends);
   /// @return false if no such call is outstanding: this is a second end, which must not be passed on
   bool remove(std::uint32_t token) { return calls_.erase(token) > 0; }
-  bool contains(std::uint32_t token) const { return calls_.count(token) > 0; }
+  /// One of that kind is outstanding.
+  bool contains(std::uint32_t token, Ends ends) const {
+    const auto call = calls_.find(token);
+    return call != calls_.end() && call->second == ends;
+  }
   /// Ends one here: with that result, or a Reply holding its reason as its error.
   void end(std::uint32_t token, const Result& result, Inbox& inbox);
   /// Ends all: results `cancelled`, replies with an error.

@@ -8,7 +8,8 @@ namespace {
 TEST(Pending, EndsEachCallOnce) {
   Pending pending;
   const std::uint32_t token = pending.add(Pending::Ends::with_result);
-  EXPECT_TRUE(pending.contains(token));
+  EXPECT_TRUE(pending.contains(token, Pending::Ends::with_result));
+  EXPECT_FALSE(pending.contains(token, Pending::Ends::with_reply));
   EXPECT_TRUE(pending.remove(token));
   EXPECT_FALSE(pending.remove(token));
 }
@@ -26,7 +27,7 @@ TEST(Pending, CancelsAllInTheOrderOfTheirCalls) {
   const auto reply = std::get<Reply>(*inbox.take());
   EXPECT_EQ(reply.token, second);
   EXPECT_EQ(reply.json, "{\"error\": \"gone\"}");
-  EXPECT_FALSE(pending.contains(second));
+  EXPECT_FALSE(pending.contains(second, Pending::Ends::with_reply));
 }
 
 TEST(ErrorReply, IsKnownByItsFirstMember) {

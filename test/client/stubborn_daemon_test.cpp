@@ -168,6 +168,9 @@ TEST_F(StubbornDaemon, IsNotWaitedForWhereNothingIsOutstanding) {
   };
   EXPECT_THAT(waits([&] { port.wait(sent, std::chrono::hours{1}); }), HasSubstr("no result is outstanding"));
   EXPECT_THAT(waits([&] { port.reply(sent, std::chrono::hours{1}); }), HasSubstr("no reply is outstanding"));
+  const std::uint32_t asked = port.request("{}"), under_way = port.send(4, {1});  // neither ends here
+  EXPECT_THAT(waits([&] { port.wait(asked, std::chrono::hours{1}); }), HasSubstr("no result is outstanding"));
+  EXPECT_THAT(waits([&] { port.reply(under_way, std::chrono::hours{1}); }), HasSubstr("no reply is outstanding"));
 }
 
 TEST_F(StubbornDaemon, IsNotSentMoreThanAFrameHolds) {
