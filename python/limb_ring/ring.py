@@ -201,15 +201,16 @@ class Ring:
         """Until all nodes are up and the CPUs that ringd starts run."""
         self.ctl('wait', 'up', '--timeout', timeout, timeout=timeout + 10)
 
-    def fault(self, kind, of, **options):
+    def fault(self, kind, place, /, **options):
         """As `ringctl fault`: fault('cut', 'hip:knee'), fault('hang', 'knee', duration=2), fault('drop', 'hip:knee',
-        once_in=10, seed=4). Times are in seconds, or texts such as '200us'. Returns when it has taken effect."""
+        once_in=10, seed=4), fault('cut', 'hip:knee', after_packets=100, of='hip'). Times are in seconds, or texts such
+        as '200us'. Returns when it has taken effect."""
         words = []
         for name, value in options.items():
             if name in _TIMES and isinstance(value, (int, float)):
                 value = _seconds(value)
             words += ['--' + {'duration': 'for'}.get(name, name.replace('_', '-')), value]
-        self.ctl('fault', kind, of, *words)
+        self.ctl('fault', kind, place, *words)
 
     def clear_faults(self, timeout=30.0):
         """Heals, wakes and starts all; returns when the ring is whole again."""

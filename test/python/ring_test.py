@@ -264,6 +264,12 @@ def test_times_of_a_fault_are_in_seconds_or_texts():
             ring.wait('knee', 'up', timeout=60)
 
 
+def test_a_fault_waits_for_packets_of_a_node():
+    with Ring(plain('waiting')) as ring:
+        ring.fault('cut', 'body:knee', after_packets=1000, of='knee')
+        assert 'after_packets=1000 of=knee' in ring.ctl('fault', 'list')
+
+
 def test_programs_that_are_not_there_are_said_to_be_so():
     with pytest.raises(RingError, match='/nix.*there is no ringctl'):
         Ring(2, programs='/nix').up()
