@@ -220,7 +220,7 @@ class Cpus(FaultTest):
 
     def test_a_node_without_a_process_has_nothing_to_hang(self):
         self.start_ring(plain_nodes(2))
-        self.assertIn('no CPU', self.fault('hang', 'node1', code=1))
+        self.assertIn('hang node1: no CPU is there', self.fault('hang', 'node1', code=1))
         self.begin('kill', 'node1')
         self.fault('hang', 'node1', code=3)
 

@@ -256,12 +256,12 @@ CpuActionResult CpuProcess::kill_attached() {
 }
 
 CpuActionResult CpuProcess::signal(int number) {
-  const std::string name = std::to_string(number) + " (" + ::strsignal(number) + ")";
   const process::ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
   const process::ProcessHandle& process = attached_ ? attached_->process() : child;
-  if (!process.signal(number)) return {false, false, "no CPU to send signal " + name + " to"};
+  if (!process.signal(number)) return {false, false, "no CPU is there"};
   fatal_sent_ = fatal_sent_ || is_fatal(number);
   if (options_.on_signal) options_.on_signal(number);
+  const std::string name = std::to_string(number) + " (" + ::strsignal(number) + ")";
   return {true, false, "sent signal " + name + " to pid " + std::to_string(process.pid())};
 }
 
