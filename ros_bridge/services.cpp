@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <stdexcept>
 
 #include "ask/known_stops.h"
 #include "ask/reset_node.h"
+#include "ask/resume_cpu.h"
 #include "ask/send_on.h"
 #include "config/characters.h"
 #include "config/names.h"
@@ -54,21 +54,26 @@ std::invalid_argument would_reset_bridge(const std::string& node, const std::str
                                "' is this bridge's own: it would be killed before it could answer; use " + instead);
 }
 
-/// Why a resume is not known to have come to its node; empty: it has.
-std::string problem_of(std::future<Result>& result, std::chrono::steady_clock::time_point deadline) {
-  if (result.wait_until(deadline) != std::future_status::ready) return "no result of the resume in time";
-  const Result ended = result.get();
-  if (ended.outcome == Outcome::delivered) return "";
-  return std::string("the resume ended '") + to_string(ended.outcome) + "'" +
-         (ended.reason.empty() ? "" : ", " + ended.reason);
+milliseconds until(std::chrono::steady_clock::time_point deadline) {
+  return std::max(0ms, std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now()));
 }
 
-std::string names_without(const std::vector<ask::Node>& nodes, const std::vector<ask::Node>& left_out) {
-  std::vector<std::string> names;
-  for (const ask::Node& node : nodes)
-    if (std::none_of(left_out.begin(), left_out.end(), [&](const ask::Node& other) { return other.id == node.id; }))
-      names.push_back(node.name);
-  return config::join(names, ", ");
+/// One that has not come by then counts as lost: it may still have its effect.
+Result result_by(std::chrono::steady_clock::time_point deadline, std::future<Result>& result) {
+  if (result.wait_until(deadline) == std::future_status::ready) return result.get();
+  Result none;
+  none.outcome = Outcome::lost;
+  none.reason = "no result in time";
+  return none;
+}
+
+/// Why a node is not known to have resumed; empty: it has.
+std::string problem_of(const ask::Resumed& resumed) {
+  const Result& result = resumed.result;
+  if (resumed.done()) return "";
+  if (resumed.is_latched && result.outcome == Outcome::delivered) return ask::sentence_of_latched(resumed.node);
+  return resumed.node.name + ": the resume ended '" + to_string(result.outcome) + "'" +
+         (result.reason.empty() ? "" : ", " + result.reason);
 }
 
 template <typename Response>
@@ -77,6 +82,19 @@ void fill(Response& response, const std::string& outcome, double round_trip, con
   response.success = response.outcome == "delivered";
   response.round_trip = round_trip;
   response.message = message;
+}
+
+void tell(const std::vector<ask::Resumed>& nodes, Resume::Response& response) {
+  std::vector<std::string> said, resumed;
+  for (const auto& one : nodes) {
+    if (const std::string problem = problem_of(one); !problem.empty())
+      said.push_back(problem);
+    else
+      resumed.push_back(one.node.name);
+  }
+  response.success = said.empty();
+  if (!resumed.empty()) said.push_back("resumed: " + config::join(resumed, ", "));
+  response.message = config::join(said, "; ");
 }
 
 void take_result(const json& reply, Stop::Response& response) {
@@ -178,15 +196,22 @@ std::vector<ask::Node> Services::nodes_to_ask(const std::string& which) const {
   return nodes;
 }
 
-std::vector<std::uint8_t> Services::nodes_to_resume(std::uint8_t destination) const {
-  std::set<std::uint8_t> latched;
-  for (const ask::Node& node : ask::nodes_with_latched_stop(ring_.ring, nodes_to_ask())) latched.insert(node.id);
-  std::vector<std::uint8_t> ids;
+std::vector<ask::Resumed> Services::nodes_to_resume(std::uint8_t destination) const {
+  const auto latched = ask::nodes_with_latched_stop(ring_.ring, nodes_to_ask());
+  std::vector<ask::Resumed> nodes;
   for (const auto& node : ring_.nodes) {
-    const bool can_be = !node.joints.empty() || latched.count(node.id) != 0;
-    if (can_be && (destination == kBroadcast || destination == node.id)) ids.push_back(node.id);
+    const bool was_latched = ask::is_among(latched, node.id), can_be = !node.joints.empty() || was_latched;
+    if (can_be && (destination == kBroadcast || destination == node.id))
+      nodes.push_back({{node.id, node.name}, {}, was_latched});
   }
-  return ids;
+  return nodes;
+}
+
+Result Services::resume_from(std::uint8_t sender, std::uint8_t node, milliseconds timeout) const {
+  ConnectOptions nearer = daemon_;
+  nearer.node = std::to_string(sender);
+  auto port = HostPort::connect(nearer);
+  return ask::resume_cpu(port, node, timeout);
 }
 
 std::future<Result> Services::ask_to_resume(std::uint8_t node) {
@@ -205,28 +230,20 @@ bool Services::resume(Resume::Request& request, Resume::Response& response) {
   return answered(port_, response, [&] {
     const auto deadline = std::chrono::steady_clock::now() + timeout_of(request.timeout, kServiceAnswer);
     const auto to = request.node.empty() ? kBroadcast : destination(request.node);
-    const auto ids = nodes_to_resume(to);
-    if (ids.empty())
+    auto nodes = nodes_to_resume(to);
+    if (nodes.empty())
       throw std::invalid_argument(to == kBroadcast
                                       ? "no node has joints, and no stop is latched"
                                       : "node '" + request.node + "' has no joints, and no stop is latched there");
-    std::vector<std::pair<ask::Node, std::future<Result>>> asked;
-    for (const auto id : ids) asked.emplace_back(ask::Node{id, ring_.find(id)->name}, ask_to_resume(id));
-    std::vector<std::string> problems;
-    std::vector<ask::Node> taken;
-    for (auto& [node, result] : asked) {
-      const std::string problem = problem_of(result, deadline);
-      if (problem.empty())
-        taken.push_back(node);
-      else
-        problems.push_back(node.name + ": " + problem);
-    }
-    const auto latched = ask::wait_for_resumes(ring_.ring, taken);
-    for (const ask::Node& node : latched) problems.push_back(ask::sentence_of_latched(node));
-    response.success = problems.empty();
-    const std::string resumed = names_without(taken, latched);
-    if (!resumed.empty()) problems.push_back("resumed: " + resumed);
-    response.message = config::join(problems, "; ");
+    std::vector<std::future<Result>> results;
+    for (const auto& one : nodes) results.push_back(ask_to_resume(one.node.id));
+    for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i].result = result_by(deadline, results[i]);
+    for (auto& one : nodes)
+      one.result = ask::resume_from_nearer(ring_.ring, one.node.id, one.result, [&](std::uint8_t sender) {
+        return resume_from(sender, one.node.id, until(deadline));
+      });
+    ask::look_at(ring_.ring, nodes_to_ask(), nodes);
+    tell(nodes, response);
   });
 }
 

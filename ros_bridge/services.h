@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "ask/resumed.h"
 #include "ask/status_rows.h"
 #include "config/ring_config.h"
 #include "ros_bridge/call_threads.h"
@@ -45,7 +46,9 @@ class Services {
   /// All, or the one of that id or name.
   std::vector<ask::Node> nodes_to_ask(const std::string& which = "") const;
   /// Of these, the ones with joints, and those on this host that say that a stop is latched.
-  std::vector<std::uint8_t> nodes_to_resume(std::uint8_t destination) const;
+  std::vector<ask::Resumed> nodes_to_resume(std::uint8_t destination) const;
+  /// From another node than the bridge's. @throw HostPortError
+  Result resume_from(std::uint8_t sender, std::uint8_t node, std::chrono::milliseconds timeout) const;
 
   const config::RingConfig& ring_;
   ConnectOptions daemon_;

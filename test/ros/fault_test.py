@@ -55,6 +55,12 @@ class Faults(unittest.TestCase):
         stopped = service('stop', Stop)(node='all').message   # reaches both sides of the break
         self.assertNotIn('not reached', stopped)
         self.assertNotIn('not known', stopped)
+        resumed = service('resume', Resume)(node='all')
+        self.assertFalse(resumed.success)
+        self.assertRegex(resumed.message, "^left_hip_yaw: the resume ended 'unconfirmed', .* it was not reached")
+        for node in self.ring.status.get().nodes:   # no way leads to the first of the chain
+            self.ring.wait_for_node(node.name, lambda n: n.stopped == (n.name == 'left_hip_yaw'),
+                                    'to go on, but for left_hip_yaw')
         self.assertTrue(self.clear(id='').success)
         self.ring.wait_until_up()
         self.assertTrue(service('resume', Resume)(node='all').success)

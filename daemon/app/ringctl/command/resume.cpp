@@ -1,7 +1,5 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <set>
 
@@ -11,9 +9,9 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/results.h"
-#include "ask/arrived.h"
 #include "ask/known_stops.h"
 #include "ask/resume_cpu.h"
+#include "ask/resumed.h"
 
 namespace limb_ring::ringctl {
 
@@ -43,58 +41,28 @@ std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::s
   return nodes;
 }
 
-bool is_among(const std::vector<ask::Node>& nodes, std::uint8_t id) {
-  return std::any_of(nodes.begin(), nodes.end(), [id](const ask::Node& node) { return node.id == id; });
-}
-
-/// What came of the resume of one node.
-struct Resumed {
-  NodeName node;
-  Result result;
-  bool was_latched = false, is_latched = false;
-  bool seen = false;  ///< its daemon, or a beacon of it, tells that no stop is latched there any more
-
-  bool done() const { return !is_latched && (result.outcome == Outcome::delivered || (was_latched && seen)); }
-};
-
 /// From `port`; where that does not reach the node, and the user leaves it to us, from a node that does.
-Result send_resume(const RingAccess& ring, HostPort& port, const NodeName& node, bool from_is_free) {
-  const Result result = ask::resume_cpu(port, node.id, kAnswer);
-  const bool elsewhere = result.why == Reason::out_of_reach || result.outcome == Outcome::no_such_node;
-  if (!from_is_free || !elsewhere) return result;
-  const auto sender = ask::who_reaches(ask::status_rows_here(ring.ring(), ask::kRowTimeout), node.id);
-  if (!sender) return result;
-  HostPort nearer = ring.connect(ring.node(std::to_string(*sender)));
-  const Result again = ask::resume_cpu(nearer, node.id, kAnswer);
-  return ask::may_have_arrived(again) ? again : result;
+Result send_resume(const RingAccess& ring, HostPort& port, std::uint8_t node, bool from_is_free) {
+  const Result result = ask::resume_cpu(port, node, kAnswer);
+  if (!from_is_free) return result;
+  return ask::resume_from_nearer(ring.ring(), node, result, [&](std::uint8_t sender) {
+    HostPort nearer = ring.connect(ring.node(std::to_string(sender)));
+    return ask::resume_cpu(nearer, node, kAnswer);
+  });
 }
 
-/// Fills in what can be seen of it: of a command that was not confirmed, it alone tells.
-void look_at(const RingAccess& ring, std::vector<Resumed>& all) {
-  std::vector<ask::Node> taken;
-  for (const Resumed& one : all)
-    if (ask::may_have_arrived(one.result)) taken.push_back({one.node.id, one.node.name});
-  ask::wait_for_resumes(ring.ring(), taken);
-  std::map<std::uint8_t, ask::StopState> known;
-  for (const ask::KnownStop& stop : ask::stops_now(ring.ring(), ring.ask_nodes())) known[stop.node.id] = stop.state;
-  for (Resumed& one : all) {
-    one.is_latched = known[one.node.id] == ask::StopState::stopped;
-    one.seen = !one.is_latched && known[one.node.id] != ask::StopState::unknown;
-  }
-}
-
-int code_of(const std::vector<Resumed>& all) {
+int code_of(const std::vector<ask::Resumed>& all) {
   std::vector<Result> open;
-  for (const Resumed& one : all) {
+  for (const ask::Resumed& one : all) {
     if (one.is_latched) return kNotDone;
     if (!one.done()) open.push_back(one.result);
   }
   return exit_code(open);
 }
 
-void print_json(const std::vector<Resumed>& all) {
+void print_json(const std::vector<ask::Resumed>& all) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Resumed& one : all) {
+  for (const ask::Resumed& one : all) {
     list.push_back(to_json(one.result));
     list.back().update({{"id", one.node.id}, {"name", one.node.name}, {"stop_latched", one.is_latched}});
     list.back()["resumed"] = one.done();
@@ -102,11 +70,11 @@ void print_json(const std::vector<Resumed>& all) {
   std::cout << nlohmann::json{{"nodes", list}}.dump(2) << '\n';
 }
 
-void print_text(const std::vector<Resumed>& all) {
+void print_text(const std::vector<ask::Resumed>& all) {
   std::size_t done = 0;
-  for (const Resumed& one : all) {
+  for (const ask::Resumed& one : all) {
     if (one.is_latched && one.result.outcome == Outcome::delivered)
-      std::cout << ask::sentence_of_latched({one.node.id, one.node.name}) << '\n';
+      std::cout << ask::sentence_of_latched(one.node) << '\n';
     else if (!one.done())
       std::cout << one.node.name << ": the resume " << ended_text(one.result) << '\n';
     else
@@ -120,12 +88,14 @@ int run(const Context& context, const ResumeOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   HostPort port = ring.connect(ring.source(options.from));
   const std::vector<ask::Node> latched = ask::nodes_with_latched_stop(ring.ring(), ring.ask_nodes());
-  std::vector<Resumed> all;
+  std::vector<ask::Resumed> all;
   for (const NodeName& node : meant(ring, port, options.node, latched))
     while_telling(ring.ring(), [&] {
-      all.push_back({node, send_resume(ring, port, node, options.from.empty()), is_among(latched, node.id)});
+      all.push_back({{node.id, node.name},
+                     send_resume(ring, port, node.id, options.from.empty()),
+                     ask::is_among(latched, node.id)});
     });
-  look_at(ring, all);
+  ask::look_at(ring.ring(), ring.ask_nodes(), all);
   if (options.json)
     print_json(all);
   else
