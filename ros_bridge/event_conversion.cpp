@@ -41,7 +41,7 @@ std::vector<RingEvent> EventConversion::events_of(const config::NodeConfig& node
   if (!said.is_object()) return {};
   const std::string kind = text_of(said, "kind");
   if (kind == "state") return take_state(said, node);
-  if (kind == "cpu") return {take_cpu(said, node)};
+  if (kind == "cpu") return take_cpu(said, node);
   RingEvent made = event(RingEvent::LINK_UP, said);
   made.node = node.name;
   if (kind == "link")
@@ -68,8 +68,7 @@ std::vector<RingEvent> EventConversion::events_of_row(const config::NodeConfig& 
     all.push_back(*fault);
   const auto cpu = now.find("cpu");
   if (cpu == now.end() || !cpu->is_object()) return all;
-  const RingEvent made = take_cpu(*cpu, node);
-  if (told.cpu != told_[node.id].cpu) all.push_back(made);
+  for (RingEvent& made : take_cpu(*cpu, node)) all.push_back(std::move(made));
   return all;
 }
 
@@ -95,13 +94,15 @@ std::vector<RingEvent> EventConversion::take_state(const json& said, const confi
   return all;
 }
 
-RingEvent EventConversion::take_cpu(const json& said, const config::NodeConfig& node) {
+// A daemon also tells where only the process has changed, which is no event of ours.
+std::vector<RingEvent> EventConversion::take_cpu(const json& said, const config::NodeConfig& node) {
   RingEvent made = event(RingEvent::CPU_STATE, said);
   made.node = node.name;
   made.text = text_of(said, "state");
   made.value = number_of(said, "boots", 0);
-  told_[node.id].cpu = {made.text, made.value};
-  return made;
+  const std::pair<std::string, std::int64_t> now{made.text, made.value};
+  if (std::exchange(told_[node.id].cpu, now) == now) return {};
+  return {made};
 }
 
 std::string EventConversion::name_of(int id) const {

@@ -38,7 +38,7 @@ class EventConversion {
   void take_pin(const nlohmann::json& said, const config::NodeConfig& node, RingEvent& event) const;
   /// @param said of its state, as an observer is told
   std::vector<RingEvent> take_state(const nlohmann::json& said, const config::NodeConfig& node);
-  RingEvent take_cpu(const nlohmann::json& said, const config::NodeConfig& node);
+  std::vector<RingEvent> take_cpu(const nlohmann::json& said, const config::NodeConfig& node);
   std::optional<RingEvent> fault_of(const nlohmann::json& said);
   std::vector<RingEvent> cures_of(const nlohmann::json& said, const config::NodeConfig& node);
 

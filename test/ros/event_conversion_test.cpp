@@ -129,6 +129,7 @@ TEST_F(Events, ThatWereToldAreNotFoundInTheRowsAgain) {
   conversion.events_of(knee, state("joining", "up", "null"));
   conversion.events_of(knee, R"({"kind":"cpu","state":"running","boots":2})");
   EXPECT_THAT(conversion.events_of_row(knee, R"({"state":"up","cpu":{"state":"running","boots":2}})"), IsEmpty());
+  EXPECT_THAT(conversion.events_of(knee, R"({"kind":"cpu","state":"running","boots":2})"), IsEmpty());
 }
 
 TEST_F(Events, AreNotMadeOfOtherMessages) {
