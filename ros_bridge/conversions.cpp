@@ -23,6 +23,9 @@ void check_array(const char* name, const Values& values, const std::vector<std::
 
 void check(const sensor_msgs::JointState& message) {
   if (message.name.empty()) throw std::invalid_argument("'name' is empty; it must name the joints");
+  if (message.position.empty() && message.velocity.empty() && message.effort.empty())
+    throw std::invalid_argument(
+        "'position', 'velocity' and 'effort' are all empty; one of them must command something");
   check_array("position", message.position, message.name);
   check_array("velocity", message.velocity, message.name);
   check_array("effort", message.effort, message.name);

@@ -89,8 +89,14 @@ TEST_F(SplitCommand, RefusesAMessageWithoutNamesAndAJointNamedTwice) {
   EXPECT_THAT(refusal(), HasSubstr("'hip_roll' is named twice"));
 }
 
+TEST_F(SplitCommand, RefusesNamesAlone) {
+  message.name = {"knee_pitch"};
+  EXPECT_THAT(refusal(), HasSubstr("are all empty"));
+}
+
 TEST_F(SplitCommand, NamesJointsSoThatTheyCanBePrinted) {
   message.name = {"tail\n[FATAL]", "hip\x1b[31m"};
+  message.position = {1, 2};
   EXPECT_THAT(split_command(message, joints).unknown, ElementsAre("tail?[FATAL]", "hip?[31m"));
   message.name = {"tail\n", "tail\n"};
   EXPECT_THAT(refusal(), HasSubstr("'tail?' is named twice"));
