@@ -9,9 +9,19 @@ namespace {
 // is ten seconds, long after the node was called silent.
 constexpr std::uint16_t kRestart = 1000;
 
+std::uint16_t skipped_between(std::uint16_t last, std::uint16_t now) {
+  return static_cast<std::uint16_t>(now - last - 1);
+}
+
 std::uint64_t missing_between(std::uint16_t last, std::uint16_t now) {
-  const auto skipped = static_cast<std::uint16_t>(now - last - 1);
+  const std::uint16_t skipped = skipped_between(last, now);
   return skipped < kRestart ? skipped : 0;
+}
+
+/// The count wraps, and a CPU that has restarted counts from 0.
+std::uint64_t refused_between(const payload::JointState& last, const payload::JointState& now) {
+  if (skipped_between(last.sequence, now.sequence) >= kRestart && now.refused < last.refused) return now.refused;
+  return static_cast<std::uint16_t>(now.refused - last.refused);
 }
 
 JointStore::Clock::duration three_periods(double rate) {
@@ -33,7 +43,10 @@ bool JointStore::take(std::uint8_t id, const payload::JointState& state, Clock::
   const auto found = nodes_.find(id);
   if (found == nodes_.end() || found->second.joints.size() != state.joints.size()) return false;
   Node& node = found->second;
-  if (node.heard) node.received.missing += missing_between(node.state.sequence, state.sequence);
+  if (node.heard) {
+    node.received.missing += missing_between(node.state.sequence, state.sequence);
+    node.received.refused += refused_between(node.state, state);
+  }
   node.heard = true;
   node.arrived = now;
   node.state = state;

@@ -37,6 +37,7 @@ class JointStore {
   struct Received {
     std::uint64_t states = 0;
     std::uint64_t missing = 0;  ///< left out in the sequence of states, restarts not counted
+    std::uint64_t refused = 0;  ///< commands that its CPU did not obey, as its states count them
     bool stopped = false;       ///< a stop interrupt is latched there
   };
 

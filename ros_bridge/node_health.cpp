@@ -66,6 +66,9 @@ bool NodeHealth::is_heard() const {
 
 void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
   for (const auto& step : losses_.take(now)) recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
+  if (now.commands_not_obeyed > status_.commands_not_obeyed)
+    recent_.note("commands",
+                 "commands not obeyed +" + std::to_string(now.commands_not_obeyed - status_.commands_not_obeyed), at);
   if (was_heard_ && is_well(now.state) && !is_well(status_.state)) recent_.note("state", "was " + status_.state, at);
   if (now.cpu_boots > status_.cpu_boots && status_.cpu_boots != 0)
     recent_.note("boots", "its CPU was restarted (boot " + std::to_string(now.cpu_boots) + ")", at);
@@ -120,6 +123,7 @@ void NodeHealth::tell_values(DiagnosticStatusWrapper& out) const {
   out.add("round trip p99 (us)", status_.round_trip_p99 * 1e6);
   out.add("round trip max (us)", status_.round_trip_max * 1e6);
   out.add("joint states missing", status_.states_missing);
+  out.add("commands not obeyed", status_.commands_not_obeyed);
   for (const std::string& name : losses_.names()) out.add(name, counter_of(status_, name));
 }
 

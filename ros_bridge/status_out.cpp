@@ -113,6 +113,7 @@ void StatusOut::fill_joints(NodeStatus& node) const {
   const auto received = joints_.received(node.id);
   node.states_received = received.states;
   node.states_missing = received.missing;
+  node.commands_not_obeyed = received.refused;
   node.stopped |= received.stopped;  // they come sooner than what is asked for
 }
 

@@ -200,6 +200,17 @@ TEST_F(Health, WarnsOfANewBootAndOfANewDaemonWhoseCountersBeginAtZero) {
   EXPECT_THAT(of_node().message, HasSubstr("ended_lost +1"));
 }
 
+TEST_F(Health, WarnsOfCommandsThatTheCpuDoesNotObey) {
+  take();
+  knee().commands_not_obeyed = 4;
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  EXPECT_EQ(of_node().message, "commands not obeyed +4");
+  take();
+  now += kWarnFor + 1ns;
+  EXPECT_EQ(of_node().level, Level::OK);
+}
+
 TEST_F(Health, OfALineCountsWhatItsEndReceived) {
   take();
   hip().counter_values = {6, 7};

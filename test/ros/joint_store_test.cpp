@@ -82,6 +82,22 @@ TEST_F(Joints, CountWhatIsMissingInTheSequence) {
   EXPECT_EQ(store.received(kKnee).states, 4u);
 }
 
+TEST_F(Joints, CountTheCommandsThatTheirCpuDidNotObey) {
+  const auto refused = [this](std::uint16_t sequence, std::uint16_t since_its_start) {
+    payload::JointState state;
+    state.sequence = sequence;
+    state.refused = since_its_start;
+    state.joints.resize(1);
+    store.take(kKnee, state, now);
+    return store.received(kKnee).refused;
+  };
+  EXPECT_EQ(refused(2000, 65530), 0u) << "of before";
+  EXPECT_EQ(refused(2001, 65535), 5u);
+  EXPECT_EQ(refused(2002, 1), 7u) << "the count wraps";
+  EXPECT_EQ(refused(2003, 40000), 40006u);
+  EXPECT_EQ(refused(0, 3), 40009u) << "a restarted CPU counts from 0";
+}
+
 TEST_F(Joints, OfARestartedCpuAreNotCountedAsMissing) {
   take(kKnee, 500, 100, {1});
   take(kKnee, 0, 101, {1});

@@ -86,6 +86,7 @@ class Recovery(unittest.TestCase):
         self.ring.status.wait(lambda s: s.stopped, 'the ring to be stopped')
         late = Newest('stopped', Bool)
         late.wait(lambda s: s.data, 'the state for one who comes late')
+        self.a_command_is_not_obeyed_and_counted()
         answer = service('resume', Resume)(node='all')
         self.assertTrue(answer.success, answer.message)
         for name in limbs:
@@ -95,6 +96,14 @@ class Recovery(unittest.TestCase):
         answer = service('resume', Resume)(node='waist')
         self.assertFalse(answer.success)
         self.assertIn('no stop is latched', answer.message)
+
+    def a_command_is_not_obeyed_and_counted(self):
+        before = self.ring.node('left_knee').commands_not_obeyed
+        commands = rospy.Publisher('joint_commands', JointState, queue_size=1)
+        wait_for(commands.get_num_connections, 'the bridge to listen')
+        commands.publish(JointState(name=['l_knee'], position=[-0.6]))
+        self.ring.wait_for_node('left_knee', lambda n: n.commands_not_obeyed == before + 1, 'to count the command')
+        commands.unregister()
 
     def test_all_are_resumed_even_where_the_time_is_up_at_the_first(self):
         self.assertTrue(service('stop', Stop)(node='', timeout=rospy.Duration(20)).success)
