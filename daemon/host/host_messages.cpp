@@ -64,9 +64,13 @@ void HostServer::on(Session& session, const client::Greeting& greeting) {
     ++counters_.refused_full;
     return disconnect(session.info().id, full());
   }
-  const bool lockstep = options_.turns != nullptr && greeting.lockstep && greeting.role == Role::cpu;
-  if (lockstep && greeting.version == client::kHostPortVersion) return attach_later(session, greeting);
+  if (is_in_lockstep(greeting) && greeting.version == client::kHostPortVersion) return attach_later(session, greeting);
   if (attach(session, greeting)) session.put(welcome(options_.turns ? ClockKind::ring : ClockKind::machine));
+}
+
+/// Only a CPU is waited for: a tool that asks for it is told that it is not.
+bool HostServer::is_in_lockstep(const client::Greeting& greeting) const {
+  return options_.turns != nullptr && greeting.lockstep && greeting.role == Role::cpu;
 }
 
 client::Welcome HostServer::welcome(ClockKind clock) const {
@@ -103,7 +107,7 @@ bool HostServer::attach(Session& session, const client::Greeting& greeting) {
   info.role = greeting.role;
   info.restarted_by_owner = greeting.restarted_by_owner;
   info.results_may_wait = greeting.results_may_wait;
-  info.lockstep = options_.turns != nullptr && greeting.lockstep;
+  info.lockstep = is_in_lockstep(greeting);
   info.alive_period = greeting.alive_period;
   if (const auto reason = objection(greeting, info)) {
     ++counters_.refused;

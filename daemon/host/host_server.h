@@ -112,6 +112,7 @@ class HostServer final : private SessionOwner {
   void attach_now(const SessionPtr& session, const client::Greeting& greeting);
   /// @return false where it was refused
   bool attach(Session& session, const client::Greeting& greeting);
+  bool is_in_lockstep(const client::Greeting& greeting) const;
   client::Welcome welcome(client::ClockKind clock) const;
   void on(Session& session, const client::SendRequest& request);
   void on(Session& session, const client::InterruptRequest& request);

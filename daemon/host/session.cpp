@@ -71,11 +71,11 @@ void Session::greeted() {
 void Session::attach(const ClientInfo& info, TurnKeeper* turns) {
   attached_ = true;
   info_ = info;
+  greeting_timer_.cancel();
   if (!info.lockstep) return;
   turns_ = turns;
   limit_wait(socket_.get(), kPatience);
   watch_.set_events(input_events());
-  greeting_timer_.cancel();
 }
 
 // ---- lockstep -----------------------------------------------------------------------------

@@ -88,6 +88,16 @@ TEST_F(UnattachedClient, ThatIsRefusedAfterItsBootIsGone) {
   EXPECT_THAT(handler.left, testing::ElementsAre(getpid()));
 }
 
+TEST_F(UnattachedClient, ThatIsNoCpuIsNotInLockstepThoughItAsksForIt) {
+  client::Greeting greeting = cpu_greeting();
+  greeting.role = Role::tool;
+  RawClient tool("r", "3");
+  tool.say(greeting);
+  until([&] { return !handler.attached.empty(); });
+  EXPECT_FALSE(handler.attached.front().lockstep);
+  EXPECT_EQ(turns.joined_session, nullptr);
+}
+
 TEST_F(UnattachedClient, IsReadUpToALimitAndTheRestOnceItIsIn) {
   constexpr std::size_t kFarTooMuch = 16 << 20, kLot = 1000;
   client::Bytes lot;
