@@ -7,55 +7,85 @@
 
 namespace limb_ring::link {
 
-/// What happened at the receiving end of a link since the start.
+/// What is counted at the receiving end of a link: (name, what one count means).
+#define LIMB_RING_INPUT_COUNTERS(X)                                              \
+  X(reads, "read from the socket or the shared memory")                          \
+  X(bytes, "byte read")                                                          \
+  X(slices, "slice other than idle")                                             \
+  X(idle_slices, "idle")                                                         \
+  X(beats, "shared memory: tick at which the writer had said that it lives")     \
+  X(connects, "upstream neighbour that came")                                    \
+  X(losses, "upstream neighbour that went, for whatever reason")                 \
+  X(silences, "of those: silent for too long")                                   \
+  X(given_up, "of those: by the neighbour, while this process stood still")      \
+  X(replaced, "of those: a nearer or newer one came")                            \
+  X(refused, "connect of our ring that we refused as busy")                      \
+  X(unknown_peers, "garbage, another ring, another user, half-open connection")  \
+  X(other_version, "of those: another version of the protocol")                  \
+  X(other_ring_file, "of those: another ring file")                              \
+  X(other_key, "of those: no key, or another one")                               \
+  X(malformed, "stream or datagram that held no slice")                          \
+  X(datagrams, "datagram")                                                       \
+  X(datagrams_duplicate, "lower or equal sequence: doubled or overtaken")        \
+  X(datagrams_lost, "missing from the sequence")                                 \
+  X(datagrams_stale, "of our ring, of no session we have")                       \
+  X(offers, "connect over UDP that was answered with a session")                 \
+  X(datagrams_truncated, "keyed: too short for what it says it is")              \
+  X(datagrams_forged, "keyed: no tag that our key makes for these bytes")        \
+  X(datagrams_replayed, "keyed: authentic, and seen before, or too old to tell") \
+  X(delay_dropped, "slice that did not fit the delay line")                      \
+  X(queue_invalid, "line that ended since the writer's end of the shared memory was invalid")
+
+/// The same at its sending end.
+#define LIMB_RING_OUTPUT_COUNTERS(X)                                              \
+  X(writes, "write to the socket or the shared memory")                           \
+  X(bytes, "byte given to it")                                                    \
+  X(idle_slices, "idle, or beat through shared memory")                           \
+  X(blocked, "write that the socket did not take at once")                        \
+  X(discarded, "byte given or waiting while the link was gone")                   \
+  X(datagrams, "datagram sent")                                                   \
+  X(datagrams_unsent, "datagram for which the kernel had no room, or no route")   \
+  X(datagrams_truncated, "keyed, of what comes back: as at the receiving end")    \
+  X(datagrams_forged, "keyed, of what comes back: as at the receiving end")       \
+  X(datagrams_replayed, "keyed, of what comes back: as at the receiving end")     \
+  X(attempts, "connection tried")                                                 \
+  X(refused, "of those: answered with a refusal")                                 \
+  X(other_version, "of those: it speaks another version of the protocol")         \
+  X(other_ring_file, "of those: it runs another ring file")                       \
+  X(other_key, "of those: it has no key, or another one")                         \
+  X(connects, "downstream neighbour won")                                         \
+  X(losses, "downstream neighbour lost, for whatever reason")                     \
+  X(silences, "of those: silent for too long (dead or frozen)")                   \
+  X(queue_invalid, "of those: the reader's end of the shared memory was invalid") \
+  X(queue_unavailable, "attempt for which the kernel gave no shared memory")
+
+#define LIMB_RING_LINK_COUNTER_MEMBER(name, meaning) std::uint64_t name = 0;
+#define LIMB_RING_LINK_COUNTER_VISIT(name, meaning) visit(#name, meaning, name);
+
+/// Since the start.
 struct InputCounters {
-  std::uint64_t reads = 0, bytes = 0, slices = 0, idle_slices = 0;
-  std::uint64_t beats = 0;            ///< shared memory: ticks at which the writer had said that it lives
-  std::uint64_t connects = 0;         ///< upstream neighbours that came
-  std::uint64_t losses = 0;           ///< upstream neighbours that went, for whatever reason
-  std::uint64_t silences = 0;         ///< of those: silent for too long
-  std::uint64_t given_up = 0;         ///< of those: by the neighbour, while this process stood still
-  std::uint64_t replaced = 0;         ///< of those: a nearer or newer one came
-  std::uint64_t refused = 0;          ///< connects of our ring that we refused
-  std::uint64_t unknown_peers = 0;    ///< garbage, other rings, other users, half-open connections
-  std::uint64_t other_version = 0;    ///< of those: another version of the protocol
-  std::uint64_t other_ring_file = 0;  ///< of those: another ring file
-  std::uint64_t other_key = 0;        ///< of those: no key, or another one
-  std::uint64_t malformed = 0;        ///< streams or datagrams that held no slice
-  std::uint64_t datagrams = 0;
-  std::uint64_t datagrams_duplicate = 0;  ///< lower or equal sequence: doubled or overtaken
-  std::uint64_t datagrams_lost = 0;       ///< missing from the sequence
-  std::uint64_t datagrams_stale = 0;      ///< of our ring, of no session we have
-  std::uint64_t offers = 0;               ///< connects over UDP that were answered with a session
-  std::uint64_t datagrams_truncated = 0;  ///< keyed: too short for what it says it is
-  std::uint64_t datagrams_forged = 0;     ///< keyed: no tag that our key makes for these bytes
-  std::uint64_t datagrams_replayed = 0;   ///< keyed: authentic, and seen before, or too old to tell
-  std::uint64_t delay_dropped = 0;        ///< slices that did not fit the delay line
-  std::uint64_t queue_invalid = 0;        ///< lines ended since the writer's end of the shared memory was invalid
+  LIMB_RING_INPUT_COUNTERS(LIMB_RING_LINK_COUNTER_MEMBER)
+
+  /// Calls visit(name, meaning, value) for each, in the order above.
+  template <class Visit>
+  void each(Visit visit) const {
+    LIMB_RING_INPUT_COUNTERS(LIMB_RING_LINK_COUNTER_VISIT)
+  }
 };
 
-/// What happened at the sending end of a link since the start.
+/// Since the start.
 struct OutputCounters {
-  std::uint64_t writes = 0, bytes = 0;
-  std::uint64_t idle_slices = 0;  ///< or beats, through shared memory
-  std::uint64_t blocked = 0;      ///< writes the socket did not take at once
-  std::uint64_t discarded = 0;    ///< bytes given or waiting while the link was gone
-  std::uint64_t datagrams = 0;
-  std::uint64_t datagrams_unsent = 0;     ///< the kernel had no room, or no route
-  std::uint64_t datagrams_truncated = 0;  ///< keyed, of what comes back: as at the receiving end
-  std::uint64_t datagrams_forged = 0;
-  std::uint64_t datagrams_replayed = 0;
-  std::uint64_t attempts = 0;           ///< connections tried
-  std::uint64_t refused = 0;            ///< of those: answered with a refusal
-  std::uint64_t other_version = 0;      ///< of those: it speaks another version of the protocol
-  std::uint64_t other_ring_file = 0;    ///< of those: it runs another ring file
-  std::uint64_t other_key = 0;          ///< of those: it has no key, or another one
-  std::uint64_t connects = 0;           ///< downstream neighbours won
-  std::uint64_t losses = 0;             ///< downstream neighbours lost, for whatever reason
-  std::uint64_t silences = 0;           ///< of those: silent for too long (dead or frozen)
-  std::uint64_t queue_invalid = 0;      ///< of those: the reader's end of the shared memory was invalid
-  std::uint64_t queue_unavailable = 0;  ///< attempts for which the kernel gave no shared memory
+  LIMB_RING_OUTPUT_COUNTERS(LIMB_RING_LINK_COUNTER_MEMBER)
+
+  /// As InputCounters::each().
+  template <class Visit>
+  void each(Visit visit) const {
+    LIMB_RING_OUTPUT_COUNTERS(LIMB_RING_LINK_COUNTER_VISIT)
+  }
 };
+
+#undef LIMB_RING_LINK_COUNTER_MEMBER
+#undef LIMB_RING_LINK_COUNTER_VISIT
 
 /// Counts a refusal, given or got, for one of the reasons that people have to mend.
 template <typename Counters>
@@ -70,61 +100,6 @@ template <typename Counters>
 void count(Opener::Verdict verdict, Counters& counters) {
   if (verdict == Opener::Verdict::forged) ++counters.datagrams_forged;
   if (verdict == Opener::Verdict::replayed) ++counters.datagrams_replayed;
-}
-
-/// Calls visit(name, value) for every counter.
-template <typename Visit>
-void for_each_counter(const InputCounters& c, Visit&& visit) {
-  visit("reads", c.reads);
-  visit("bytes", c.bytes);
-  visit("slices", c.slices);
-  visit("idle_slices", c.idle_slices);
-  visit("beats", c.beats);
-  visit("connects", c.connects);
-  visit("losses", c.losses);
-  visit("silences", c.silences);
-  visit("given_up", c.given_up);
-  visit("replaced", c.replaced);
-  visit("refused", c.refused);
-  visit("unknown_peers", c.unknown_peers);
-  visit("other_version", c.other_version);
-  visit("other_ring_file", c.other_ring_file);
-  visit("other_key", c.other_key);
-  visit("malformed", c.malformed);
-  visit("datagrams", c.datagrams);
-  visit("datagrams_duplicate", c.datagrams_duplicate);
-  visit("datagrams_lost", c.datagrams_lost);
-  visit("datagrams_stale", c.datagrams_stale);
-  visit("offers", c.offers);
-  visit("datagrams_truncated", c.datagrams_truncated);
-  visit("datagrams_forged", c.datagrams_forged);
-  visit("datagrams_replayed", c.datagrams_replayed);
-  visit("delay_dropped", c.delay_dropped);
-  visit("queue_invalid", c.queue_invalid);
-}
-
-template <typename Visit>
-void for_each_counter(const OutputCounters& c, Visit&& visit) {
-  visit("writes", c.writes);
-  visit("bytes", c.bytes);
-  visit("idle_slices", c.idle_slices);
-  visit("blocked", c.blocked);
-  visit("discarded", c.discarded);
-  visit("datagrams", c.datagrams);
-  visit("datagrams_unsent", c.datagrams_unsent);
-  visit("datagrams_truncated", c.datagrams_truncated);
-  visit("datagrams_forged", c.datagrams_forged);
-  visit("datagrams_replayed", c.datagrams_replayed);
-  visit("attempts", c.attempts);
-  visit("refused", c.refused);
-  visit("other_version", c.other_version);
-  visit("other_ring_file", c.other_ring_file);
-  visit("other_key", c.other_key);
-  visit("connects", c.connects);
-  visit("losses", c.losses);
-  visit("silences", c.silences);
-  visit("queue_invalid", c.queue_invalid);
-  visit("queue_unavailable", c.queue_unavailable);
 }
 
 }  // namespace limb_ring::link

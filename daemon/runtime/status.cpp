@@ -41,30 +41,27 @@ json rate_json(const core::Settings& settings) {
   return byte_time == 0 ? json() : json(8 * core::Duration::period::den / byte_time);
 }
 
+/// Puts each counter under its name behind `prefix`.
+auto into(json& all, const char* prefix) {
+  return
+      [&all, prefix](const char* name, const char*, std::uint64_t value) { all[std::string(prefix) + name] = value; };
+}
+
 /// What faults on purpose did is added to the counts of the first line; the links' counters have names of their own.
 void add_second_line(const NodeDriver& driver, json& all) {
   driver.breaker(core::Line::second).counters().each([&](const char* name, const char*, std::uint64_t value) {
     all[name] = all[name].get<std::uint64_t>() + value;
   });
-  link::for_each_counter(driver.input_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
-    all[std::string("second_input_") + name] = value;
-  });
-  link::for_each_counter(driver.output_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
-    all[std::string("second_output_") + name] = value;
-  });
+  driver.input_counters(core::Line::second).each(into(all, "second_input_"));
+  driver.output_counters(core::Line::second).each(into(all, "second_output_"));
 }
 
 json counters_json(const StatusSources& from) {
   json all = json::object();
-  from.driver.controller().counters().each(
-      [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  link::for_each_counter(from.driver.input_counters(core::Line::first),
-                         [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
-  link::for_each_counter(from.driver.output_counters(core::Line::first),
-                         [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
-  from.driver.breaker(core::Line::first).counters().each([&](const char* name, const char*, std::uint64_t value) {
-    all[name] = value;
-  });
+  from.driver.controller().counters().each(into(all, ""));
+  from.driver.input_counters(core::Line::first).each(into(all, "input_"));
+  from.driver.output_counters(core::Line::first).each(into(all, "output_"));
+  from.driver.breaker(core::Line::first).counters().each(into(all, ""));
   if (from.driver.has_second_line()) add_second_line(from.driver, all);
   const host::HostCounters& h = from.host.counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full + h.refused_unwatched;

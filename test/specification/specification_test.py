@@ -136,7 +136,7 @@ class Contents(unittest.TestCase):
         self.assertCountEqual(rows(section(self.page, "10.1")), counted)
 
     def test_every_counter_of_a_link_is_listed(self):
-        counted = self.counters(os.path.join("daemon", "link"), r'visit\("(\w+)"')
+        counted = self.counters(os.path.join("daemon", "link"), r'X\((\w+), "')
         self.assertGreater(len(counted), 20)
         self.assertCountEqual(rows(section(self.page, "10.2")) + rows(section(self.page, "10.3")), counted)
 
@@ -152,7 +152,7 @@ class Contents(unittest.TestCase):
 
     def test_every_prefix_of_a_counter_is_explained(self):
         status = read(os.path.join("daemon", "runtime", "status.cpp"))
-        prefixes = re.findall(r'std::string\("(\w+_)"\) \+ name', status)
+        prefixes = re.findall(r'into\(all, "(\w+_)"\)', status)
         self.assertEqual(len(prefixes), 4)
         for prefix in prefixes:
             self.assertIn("`%s...`" % prefix, section(self.page, "10"))
