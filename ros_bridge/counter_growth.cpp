@@ -10,6 +10,11 @@ std::uint64_t counter_of(const NodeStatus& node, const std::string& name) {
   return place < node.counter_values.size() ? node.counter_values[place] : 0;
 }
 
+CounterGrowth::CounterGrowth(ask::ErrorCounter::Of of) {
+  for (const ask::ErrorCounter& counter : ask::error_counters())
+    if (counter.of == of) names_.push_back(counter.name);
+}
+
 std::vector<CounterGrowth::Step> CounterGrowth::take(const NodeStatus& node) {
   std::vector<Step> grown;
   if (node.pid == 0) return grown;  // nobody says

@@ -7,16 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "ask/error_counters.h"
+
 namespace limb_ring::bridge {
 
 /// Value of a counter of a node's daemon; 0 where it has none of that name.
 std::uint64_t counter_of(const NodeStatus& node, const std::string& name);
 
-/// By how much some counters of a daemon have grown from one status to the next. A daemon that was restarted
-/// (another pid) counts from 0.
+/// By how much the error counters of a node, or of a line at it, have grown from one status to the next. A daemon that
+/// was restarted (another pid) counts from 0.
 class CounterGrowth {
  public:
-  explicit CounterGrowth(std::vector<std::string> names) : names_(std::move(names)) {}
+  explicit CounterGrowth(ask::ErrorCounter::Of of);
 
   struct Step {
     std::string name;

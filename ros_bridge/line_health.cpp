@@ -8,20 +8,16 @@ namespace {
 using diagnostic_updater::DiagnosticStatusWrapper;
 using Level = diagnostic_msgs::DiagnosticStatus;
 
-const std::vector<std::string> kOutputCounters{"output_losses", "output_discarded", "output_datagrams_unsent",
-                                               "dropped_no_output"};
-const std::vector<std::string> kInputCounters{
-    "crc_errors",          "malformed_packets",    "stray_slices",
-    "oversize_packets",    "stalled_packets",      "input_losses",
-    "input_malformed",     "input_datagrams_lost", "input_datagrams_duplicate",
-    "input_delay_dropped", "broken_off_packets"};
-
 bool is_known(const NodeStatus& node) { return node.input_state == "up" || node.input_state == "down"; }
 
 }  // namespace
 
 LineHealth::LineHealth(const config::NodeConfig& from, const config::NodeConfig& to)
-    : from_(from), to_(to), out_counters_(kOutputCounters), in_counters_(kInputCounters), recent_(kWarnFor) {}
+    : from_(from),
+      to_(to),
+      out_counters_(ask::ErrorCounter::Of::output),
+      in_counters_(ask::ErrorCounter::Of::input),
+      recent_(kWarnFor) {}
 
 void LineHealth::take(const RingStatus& ring, Clock::time_point now) {
   said_broken_ = false;

@@ -10,21 +10,6 @@ namespace {
 using diagnostic_updater::DiagnosticStatusWrapper;
 using Level = diagnostic_msgs::DiagnosticStatus;
 
-// Packets lost or given up at a node, whatever its lines do; those of lines are LineHealth's.
-const std::vector<std::string> kLosses{"ended_lost",
-                                       "ended_refused",
-                                       "timeouts",
-                                       "returns_damaged",
-                                       "returns_unmatched",
-                                       "refused_no_buffer",
-                                       "insertion_buffer_full",
-                                       "interrupt_buffer_full",
-                                       "flushed_on_reset",
-                                       "orphans_hop",
-                                       "duplicate_id_signs",
-                                       "host_slow_clients",
-                                       "host_interrupts_lost"};
-
 bool is_well(const std::string& state) { return state == "up"; }
 
 std::string seconds_ago(std::chrono::steady_clock::duration time) {
@@ -41,7 +26,7 @@ int level_of(const std::string& state) {
 NodeHealth::NodeHealth(const config::NodeConfig& node, std::chrono::milliseconds beacon)
     : config_(node),
       longest_silence_(wire::kMissedBeacons * std::chrono::duration<double>(beacon).count()),
-      losses_(kLosses) {}
+      errors_(ask::ErrorCounter::Of::node) {}
 
 void NodeHealth::take(const RingStatus& ring, Clock::time_point now) {
   const auto found = std::find_if(ring.nodes.begin(), ring.nodes.end(),
@@ -65,7 +50,7 @@ bool NodeHealth::is_heard() const {
 }
 
 void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
-  for (const auto& step : losses_.take(now)) recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
+  for (const auto& step : errors_.take(now)) recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
   if (now.commands_not_obeyed > status_.commands_not_obeyed)
     recent_.note("commands",
                  "commands not obeyed +" + std::to_string(now.commands_not_obeyed - status_.commands_not_obeyed), at);
@@ -124,7 +109,7 @@ void NodeHealth::tell_values(DiagnosticStatusWrapper& out) const {
   out.add("round trip max (us)", status_.round_trip_max * 1e6);
   out.add("joint states missing", status_.states_missing);
   out.add("commands not obeyed", status_.commands_not_obeyed);
-  for (const std::string& name : losses_.names()) out.add(name, counter_of(status_, name));
+  for (const std::string& name : errors_.names()) out.add(name, counter_of(status_, name));
 }
 
 }  // namespace limb_ring::bridge

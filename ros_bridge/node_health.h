@@ -39,7 +39,7 @@ class NodeHealth {
   const config::NodeConfig& config_;
   double longest_silence_;  // s, of its beacons
   Recent recent_{kWarnFor};
-  CounterGrowth losses_;
+  CounterGrowth errors_;
   NodeStatus status_;
   std::int32_t last_pid_ = 0;  // while it is down it has none
   bool bridge_connected_ = false, has_silent_joints_ = false, was_heard_ = false;

@@ -157,6 +157,14 @@ class Contents(unittest.TestCase):
         for prefix in prefixes:
             self.assertIn("`%s...`" % prefix, section(self.page, "10"))
 
+    def test_every_counter_that_tells_of_an_error_is_one_of_these(self):
+        told = re.findall(r'\{Of::\w+, "(\w+)", ', read(os.path.join("daemon", "ask", "error_counters.cpp")))
+        self.assertGreater(len(told), 20)
+        counted = rows(section(self.page, "10.1")) + rows(section(self.page, "10.5"))
+        for prefix, number in (("input_", "10.2"), ("output_", "10.3")):
+            counted += [prefix + name for name in rows(section(self.page, number))]
+        self.assertEqual(sorted(set(told) - set(counted)), [])
+
     def test_every_counter_of_the_bridge_is_listed(self):
         sources = "".join(text for path, text in texts() if path.startswith("ros_bridge") and path.endswith(".cpp"))
         counted = set(re.findall(r'counters_\.(?:add|set)\("(\w+)"[,)]', sources))

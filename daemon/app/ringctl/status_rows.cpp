@@ -4,6 +4,7 @@
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/supervision.h"
+#include "ask/error_counters.h"
 #include "ask/ring_words.h"
 #include "fault/name.h"
 #include "limb_ring/ring_directory.h"
@@ -141,10 +142,8 @@ std::string cpu_word(const json& row) {
 std::uint64_t errors_of(const json& row) {
   const json counters = row.value("counters", json::object());
   std::uint64_t all = 0;
-  for (const char* name : {"crc_errors", "malformed_packets", "oversize_packets", "stalled_packets",
-                           "broken_off_packets", "insertion_buffer_full", "interrupt_buffer_full", "dropped_no_output",
-                           "returns_damaged", "timeouts", "ended_lost"})
-    all += counters.value(name, std::uint64_t{0});
+  for (const ask::ErrorCounter& counter : ask::error_counters())
+    if (counter.of_packets) all += counters.value(counter.name, std::uint64_t{0});
   return all;
 }
 
