@@ -3,7 +3,6 @@
 #include <atomic>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "bench/cores.h"
 #include "bench/samples.h"
@@ -61,14 +60,8 @@ void measure(HostPort port, std::uint8_t to, const Setup& setup, EchoOutcome& ou
   outcome.done = true;
 }
 
-void wait_until(const std::atomic<bool>& flag, const Setup& setup, Worker& worker, milliseconds patience) {
-  const auto deadline = Samples::Clock::now() + patience;
-  while (!flag) {
-    setup.poll();
-    if (!worker.running() || Samples::Clock::now() > deadline)
-      throw std::runtime_error("two CPUs could not talk over the ring");
-    std::this_thread::sleep_for(kTick);
-  }
+void require(bool talks) {
+  if (!talks) throw std::runtime_error("two CPUs could not talk over the ring");
 }
 
 }  // namespace
@@ -84,12 +77,12 @@ Measurement measure_cpu_to_cpu(const Setup& setup, const PrivateRing& ring, Pinn
     stay_on(cores);
     echo(ring.connect(across(ring), Role::cpu), outcome[0].echo_ready);
   });
-  wait_until(outcome[0].echo_ready, setup, echoes, kPatience);
+  require(echoes.sets(outcome[0].echo_ready, setup.poll, kPatience));
   Worker sender([&] {
     stay_on(cores);
     measure(ring.connect(0, Role::cpu), ring.config().nodes[across(ring)].id, setup, outcome[0]);
   });
-  wait_until(outcome[0].done, setup, sender, kPatience + milliseconds(static_cast<int>(setup.seconds * 1000)));
+  require(sender.sets(outcome[0].done, setup.poll, kPatience + setup.case_time()));
   return outcome[0].measured;
 }
 

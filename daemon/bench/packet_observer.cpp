@@ -1,9 +1,7 @@
 #include "bench/packet_observer.h"
 
-#include <chrono>
 #include <fstream>
 #include <stdexcept>
-#include <thread>
 
 #include "bench/cores.h"
 #include "bench/waits.h"
@@ -11,9 +9,6 @@
 
 namespace limb_ring::bench {
 namespace {
-
-using std::chrono::milliseconds;
-using std::chrono::steady_clock;
 
 void observe(HostPort port, std::atomic<bool>& ready) {
   std::ofstream nowhere("/dev/null");
@@ -38,13 +33,8 @@ PacketObserver::PacketObserver(const Setup& setup, const PrivateRing& ring, std:
     stay_on(cores_for(pinning));
     observe(ring.connect(index), ready);
   });
-  const auto deadline = steady_clock::now() + kPatience;
-  while (!ready) {
-    setup.poll();
-    if (!worker_->running() || steady_clock::now() > deadline)
-      throw std::runtime_error("the packets of a node could not be observed");
-    std::this_thread::sleep_for(kTick);
-  }
+  if (!worker_->sets(ready, setup.poll, kPatience))
+    throw std::runtime_error("the packets of a node could not be observed");
 }
 
 }  // namespace limb_ring::bench

@@ -22,7 +22,6 @@ namespace limb_ring::bench {
 namespace {
 
 using process::UniqueFd;
-using std::chrono::milliseconds;
 
 constexpr std::size_t kReadSize = 64 * 1024;
 
@@ -142,7 +141,7 @@ Measurement measure_reference(const Setup& setup, Pinning pinning, Sending sendi
   Shared<ReferenceOutcome> outcomes(setup.nodes);
   Shared<std::atomic<unsigned>> started(1);
   const std::vector<Worker> workers = start(setup, pinning, senders, outcomes, started[0]);
-  const auto deadline = Samples::Clock::now() + kPatience + milliseconds(static_cast<int>(setup.seconds * 1000));
+  const auto deadline = Samples::Clock::now() + kPatience + setup.case_time();
   std::vector<Measurement> measured;
   for (unsigned id = 0; id < senders; ++id) {
     wait_until_done(setup, outcomes[id], deadline);

@@ -46,26 +46,32 @@ json virtual_rate_json(const VirtualRate& rate) {
 
 json percent(const std::optional<double>& value) { return value ? json(rounded(*value)) : json(); }
 
-std::string label(const Row& row) {
-  if (row.what == "reference") return "bare reference ring (UNIX)";
-  if (row.what == "unix") return "limb_ring over UNIX stream";
-  if (row.what == "shm") return "limb_ring through shared memory";
-  if (row.what == "batch") return "  realtime: {batch: true}";
-  if (row.what == "placed") return "  cores: auto, fifo";
-  if (row.what == "spin_reference") return "bare reference ring (UNIX)";
-  if (row.what == "spin") return "shared memory, spin: 50us";
-  if (row.what == "watched") return "  while one dump reads along";
-  if (row.what == "recorded") return "  with flight recorders";
-  if (row.what == "judged") return "  while `ringctl watch` judges it";
-  if (row.what == "udp") return "limb_ring over UDP";
-  if (row.what == "keyed") return "  keyed (links.key)";
-  if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
-  return "chain of topic_tools/relay";
-}
+struct Label {
+  const char* what;  ///< as in Row
+  const char* text;
+};
 
-void print_line(std::ostream& out, const Row& row) {
+/// All that is measured at a pinning, in the order in which it is printed.
+constexpr Label kLabels[] = {{"reference", "bare reference ring (UNIX)"},
+                             {"shm", "limb_ring through shared memory"},
+                             {"recorded", "  with flight recorders"},
+                             {"judged", "  while `ringctl watch` judges it"},
+                             {"batch", "  realtime: {batch: true}"},
+                             {"placed", "  cores: auto, fifo"},
+                             {"unix", "limb_ring over UNIX stream"},
+                             {"watched", "  while one dump reads along"},
+                             {"udp", "limb_ring over UDP"},
+                             {"keyed", "  keyed (links.key)"},
+                             {"cpu_to_cpu", "limb_ring, CPU to CPU and back"},
+                             {"relay_chain", "chain of topic_tools/relay"}};
+
+/// The same of the rings that have a core for each node.
+constexpr Label kSpinLabels[] = {{"spin_reference", "bare reference ring (UNIX)"},
+                                 {"spin", "shared memory, spin: 50us"}};
+
+void print_line(std::ostream& out, const char* label, const Row& row) {
   const RoundTrip& time = row.measured.round_trip_us;
-  out << "  " << std::left << std::setw(32) << label(row) << std::right << std::setw(9) << time.p50 << std::setw(9)
+  out << "  " << std::left << std::setw(32) << label << std::right << std::setw(9) << time.p50 << std::setw(9)
       << time.p99 << std::setw(10) << time.max << std::setw(11) << std::setprecision(0)
       << row.measured.packets_per_second << std::setprecision(2) << std::setw(8) << row.reference_ratio << "x";
   if (row.addition_ratio > 0) out << "  (" << row.addition_ratio << "x un" << row.what << ")";
@@ -80,15 +86,15 @@ void print_table(std::ostream& out, const Report& report, Pinning pinning, Sendi
   if (!measured) return;
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
-  for (const char* what : {"reference", "shm", "recorded", "judged", "batch", "placed", "unix", "watched", "udp",
-                           "keyed", "cpu_to_cpu", "relay_chain"})
-    if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
+  for (const Label& label : kLabels)
+    if (const Row* row = report.find(label.what, pinning, sending)) print_line(out, label.text, *row);
 }
 
 void print_spin(std::ostream& out, const Report& report) {
   if (report.spin_nodes == 0) return;
   out << "one sender, " << report.spin_nodes << " nodes, a core for each\n";
-  for (const char* what : {"spin_reference", "spin"}) print_line(out, *report.find(what, Pinning::free, Sending::one));
+  for (const Label& label : kSpinLabels)
+    print_line(out, label.text, *report.find(label.what, Pinning::free, Sending::one));
 }
 
 void print_idle(std::ostream& out, const char* ring, const std::optional<double>& share) {

@@ -21,13 +21,8 @@ RingJudge::RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinnin
       seen.ready = watch.watched() == ring.config().nodes.size();
     }
   });
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!seen.ready) {
-    setup.poll();
-    if (!worker_->running() || std::chrono::steady_clock::now() > deadline)
-      throw std::runtime_error("the ring's promises could not be judged");
-    std::this_thread::sleep_for(kTick);
-  }
+  if (!worker_->sets(seen.ready, setup.poll, kPatience))
+    throw std::runtime_error("the ring's promises could not be judged");
 }
 
 void RingJudge::require_kept() const {

@@ -8,7 +8,6 @@
 namespace limb_ring::bench {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 nlohmann::json request_of(const Setup& setup, const config::RingConfig& ring, std::size_t sender) {
@@ -53,7 +52,7 @@ Measurement measure_traffic(const Setup& setup, const PrivateRing& ring, Sending
   std::vector<std::uint32_t> tokens;
   for (std::size_t i = 0; i < senders; ++i)
     tokens.push_back(ports[i].request(request_of(setup, ring.config(), i).dump()));
-  const auto deadline = steady_clock::now() + kPatience + milliseconds(static_cast<int>(setup.seconds * 1000));
+  const auto deadline = steady_clock::now() + kPatience + setup.case_time();
   std::vector<Measurement> measured;
   for (std::size_t i = 0; i < senders; ++i)
     measured.push_back(measurement_of(reply_to(tokens[i], ports[i], setup, deadline)));

@@ -58,7 +58,7 @@ process::Program& RosPrograms::start(const std::string& program, const std::vect
 }
 
 nlohmann::json RosPrograms::result_of(process::Program& program) {
-  const auto deadline = steady_clock::now() + kRosPatience + milliseconds(static_cast<int>(setup_.seconds * 1000));
+  const auto deadline = steady_clock::now() + kRosPatience + setup_.case_time();
   while (program.reap(), !program.ended()) {
     setup_.poll();
     if (steady_clock::now() > deadline) throw std::runtime_error("it did not get going within a minute");

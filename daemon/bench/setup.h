@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -36,6 +37,7 @@ struct Setup {
   bool wants(const std::string& what) const {
     return only.empty() || std::find(only.begin(), only.end(), what) != only.end();
   }
+  std::chrono::milliseconds case_time() const { return std::chrono::milliseconds(static_cast<int>(seconds * 1000)); }
   double round_seconds() const { return seconds / rounds; }
 };
 

@@ -33,7 +33,7 @@ constexpr std::chrono::seconds kStart{10};
 constexpr std::chrono::milliseconds kEndsWithin{2000};
 
 /// Real time per ring time; a run that is slower is given up.
-constexpr double kSlowest = 50;
+constexpr int kSlowest = 50;
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
@@ -162,13 +162,8 @@ VirtualRate measure_virtual_rate(const Setup& setup, const live::PrivateFolder& 
     outcome[0].measured = Controller(connect(ring), ring, state_rate).run();
     outcome[0].done = true;
   });
-  const auto deadline = steady_clock::now() + kPatience + kSlowest * std::chrono::duration<double>(setup.seconds);
-  while (!outcome[0].done) {
-    setup.poll();
-    if (!controller.running() || steady_clock::now() > deadline)
-      throw std::runtime_error("a humanoid on a virtual clock did not come to its end" + daemon.last_lines());
-    std::this_thread::sleep_for(kTick);
-  }
+  if (!controller.sets(outcome[0].done, setup.poll, kPatience + kSlowest * setup.case_time()))
+    throw std::runtime_error("a humanoid on a virtual clock did not come to its end" + daemon.last_lines());
   return outcome[0].measured;
 }
 

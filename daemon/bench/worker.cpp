@@ -3,6 +3,9 @@
 #include <exception>
 #include <iostream>
 #include <stdexcept>
+#include <thread>
+
+#include "bench/waits.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -32,6 +35,16 @@ Worker::~Worker() {
 bool Worker::running() {
   child_->reap();
   return !child_->ended();
+}
+
+bool Worker::sets(const std::atomic<bool>& flag, const std::function<void()>& poll,
+                  std::chrono::milliseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  for (; !flag; std::this_thread::sleep_for(kTick)) {
+    poll();
+    if (!running() || std::chrono::steady_clock::now() > deadline) return flag;
+  }
+  return true;
 }
 
 }  // namespace limb_ring::bench

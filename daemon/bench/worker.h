@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 
@@ -17,6 +19,9 @@ class Worker {
   Worker& operator=(Worker&&) = delete;
 
   bool running();
+  /// Waits until the worker sets `flag`, calling `poll` all the while. @return false where it has not within
+  /// `patience`, or has ended without
+  bool sets(const std::atomic<bool>& flag, const std::function<void()>& poll, std::chrono::milliseconds patience);
 
  private:
   std::unique_ptr<process::Child> child_;  ///< none: moved to another
