@@ -195,11 +195,7 @@ void DatagramInput::turn_away(const LinkHeader& connect, LinkHeader& refuse, con
   refuse.session = connect.session;
   const auto bytes = encode(refuse);
   send_tagged({bytes.data(), bytes.size()}, asker, connect.sender, sender);
-  if (refuse.refusal == Refusal::busy) {
-    ++report_.counters.refused;
-  } else {
-    report_.turned_away(admission_.label(connect.sender), connect, refuse, handler_);
-  }
+  report_.turned_away(admission_.label(connect.sender), connect, refuse, handler_);
 }
 
 void DatagramInput::accept(const Session& session, std::uint8_t node) {
@@ -225,11 +221,9 @@ bool DatagramInput::take_up(Session offer, const LinkHeader& header, Time now) {
   upstream_.comes_by(line_);
   session_ = offer;
   from_ = header.sender;
-  report_.refusals.forget(header.sender);
   sequence_.restart();
   silence_.restart(now);
-  ++report_.counters.connects;
-  report_.report_once.forget();
+  report_.came_up(header.sender);
   handler_.on_input_up(header.sender);
   return true;
 }

@@ -34,8 +34,11 @@ struct InputReport {
     ++counters.unknown_peers;
     last_unknown_peer = std::move(why);
   }
-  /// The sender of `connect`, shown to people as `who`, was answered `refuse`: counts it, and tells the handler once.
+  /// The sender of `connect`, shown to people as `who`, was answered `refuse`: counts it, and tells the handler once,
+  /// unless asking again mends it.
   void turned_away(const std::string& who, const LinkHeader& connect, const LinkHeader& refuse, InputHandler& handler);
+  /// Node `from` is the upstream neighbour now: what was said of it, and of others before it, is over.
+  void came_up(std::uint8_t from);
 };
 
 /// One transport's receiving end. No calls of the handler after close().

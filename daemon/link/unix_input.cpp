@@ -98,11 +98,7 @@ void UnixInput::on_greeted(const std::shared_ptr<PendingConnection>& connection,
 void UnixInput::turn_away(PendingConnection& connection, const LinkHeader& connect, const LinkHeader& refuse) {
   connection.answer(refuse);
   connection.close();
-  if (refuse.refusal == Refusal::busy) {
-    ++report_.counters.refused;
-  } else {
-    report_.turned_away(admission_.label(connect.sender), connect, refuse, handler_);
-  }
+  report_.turned_away(admission_.label(connect.sender), connect, refuse, handler_);
 }
 
 void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) {
@@ -123,10 +119,8 @@ void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) 
   upstream_.comes_by(*this);
   stream_ = std::move(stream);
   from_ = connect.sender;
-  report_.refusals.forget(from_);
   silence_.restart(Clock::now());
-  ++report_.counters.connects;
-  report_.report_once.forget();
+  report_.came_up(from_);
   handler_.on_input_up(from_);
 }
 
