@@ -1,15 +1,14 @@
 #include "client/arguments.h"
 
 #include "limb_ring/host_port.h"
+#include "wire/data_packet.h"
+#include "wire/interrupt_packet.h"
 
 namespace limb_ring::client {
 
 namespace {
 
-constexpr std::uint8_t kPriorities = 4;
-constexpr std::uint8_t kChannels = 64;
-constexpr std::uint8_t kControlChannel = 1;
-constexpr std::uint8_t kFactors = 8;
+constexpr std::uint8_t kControlChannel = wire::id_of(wire::Channel::control);
 
 /// "size 513: a packet carries 1 to 512 bytes"
 Problem problem(const char* argument, std::size_t value, Reason why) {
@@ -20,18 +19,18 @@ Problem problem(const char* argument, std::size_t value, Reason why) {
 
 std::optional<Problem> send_problem(std::size_t size, std::uint8_t priority, std::uint8_t channel) {
   if (size == 0 || size > kMaxPayload) return problem("size", size, Reason::bad_size);
-  if (priority >= kPriorities) return problem("priority", priority, Reason::bad_priority);
-  if (channel >= kChannels || channel == kControlChannel) return problem("channel", channel, Reason::bad_channel);
+  if (priority >= wire::kPriorities) return problem("priority", priority, Reason::bad_priority);
+  if (channel >= wire::kChannels || channel == kControlChannel) return problem("channel", channel, Reason::bad_channel);
   return std::nullopt;
 }
 
 std::optional<Problem> interrupt_problem(std::uint8_t factor) {
-  if (factor < kFactors) return std::nullopt;
+  if (factor < wire::kFactors) return std::nullopt;
   return problem("factor", factor, Reason::bad_factor);
 }
 
 std::optional<Problem> pull_problem(std::uint8_t input) {
-  if (input < kFactors) return std::nullopt;
+  if (input < wire::kFactors) return std::nullopt;
   return problem("input", input, Reason::input_unwired);
 }
 

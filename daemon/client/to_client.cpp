@@ -4,6 +4,7 @@
 
 #include "capture/pseudo_header.h"
 #include "client/arguments.h"
+#include "wire/interrupt_packet.h"
 
 namespace limb_ring::client {
 
@@ -22,9 +23,6 @@ enum ToClientType : std::uint8_t {
   kCaptureCounts,
   kTurn
 };
-
-constexpr std::uint8_t kLastPriority = 3;
-constexpr std::uint8_t kLastFactor = 7;
 
 /// In the order of the message.
 constexpr std::uint64_t limb_ring::CaptureCounts::*kCounts[] = {
@@ -50,7 +48,7 @@ std::optional<ToClient> read_packet(FieldReader reader) {
   message.channel = reader.u8();
   message.data = reader.rest();
   const bool size_fits = !message.data.empty() && message.data.size <= kMaxPayload;
-  if (!reader.complete() || !size_fits || message.priority > kLastPriority) return std::nullopt;
+  if (!reader.complete() || !size_fits || message.priority >= wire::kPriorities) return std::nullopt;
   return message;
 }
 
@@ -61,7 +59,7 @@ std::optional<ToClient> read_interrupt(FieldReader reader) {
   message.source = reader.u8();
   message.factor = reader.u8();
   const bool known = action <= static_cast<std::uint8_t>(limb_ring::Interrupt::Action::stop);
-  if (!reader.complete() || !known || message.factor > kLastFactor) return std::nullopt;
+  if (!reader.complete() || !known || message.factor >= wire::kFactors) return std::nullopt;
   return message;
 }
 
