@@ -20,7 +20,7 @@ Option<LinkConfig> address_option() {
 Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
   return {
       choice_option(
-          "transport", &LinkConfig::transport, {"unix", "shm", "udp"},
+          "transport", &LinkConfig::transport, transport_words(),
           "Shared memory, UNIX stream sockets, or UDP. Lines between hosts of `hosts` are UDP whatever it says."),
       address_option(),
       port,

@@ -1,5 +1,7 @@
 #include "config/plain_ring.h"
 
+#include <algorithm>
+
 #include "config/check_ring.h"
 #include "config/names.h"
 
@@ -7,10 +9,10 @@ namespace limb_ring::config {
 namespace {
 
 LinkConfig::Transport transport_of(const std::string& word) {
-  if (word == "unix") return LinkConfig::Transport::unix_stream;
-  if (word == "shm") return LinkConfig::Transport::shm;
-  if (word == "udp") return LinkConfig::Transport::udp;
-  throw ConfigError("transport: '" + word + "' is unknown; allowed: unix, shm, udp");
+  const auto& words = transport_words();
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) return static_cast<LinkConfig::Transport>(found - words.begin());
+  throw ConfigError("transport: '" + word + "' is unknown; allowed: " + join(words));
 }
 
 NodeConfig plain_node(std::uint8_t id, const LinkConfig& links) {

@@ -11,9 +11,8 @@ namespace limb_ring::config {
 /// @throw ConfigError where the name is no ring name or `nodes` is not 2 to 255.
 RingConfig plain_ring(const std::string& ring, unsigned nodes);
 
-/// Makes every link of the ring `unix` or `udp`, whatever its file says (the command line's
-/// transport).
-/// @throw ConfigError for any other word.
+/// Makes every link of the ring `unix`, `shm` or `udp`, whatever its file says (the command line's transport).
+/// @throw ConfigError for any other word, or where a line would come from beyond its host without a key
 void apply_transport(RingConfig& ring, const std::string& transport);
 
 /// All nodes are on this machine, whatever hosts the file gives: a robot's ring tried out at a desk.

@@ -51,6 +51,11 @@ LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig
   return from.host == to.host ? to.link.transport : LinkConfig::Transport::udp;
 }
 
+const std::vector<std::string>& transport_words() {
+  static const std::vector<std::string> words{"unix", "shm", "udp"};
+  return words;
+}
+
 const char* words_of(LinkConfig::Transport transport) {
   switch (transport) {
     case LinkConfig::Transport::unix_stream:

@@ -253,6 +253,8 @@ struct RingConfig {
 /// How a line goes from one node to another: within a host as the second one's link says, else by UDP. (ours)
 LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig& to);
 
+/// "unix", "shm", "udp": as a ring's file and command lines have them, in the order of LinkConfig::Transport.
+const std::vector<std::string>& transport_words();
 /// What a line is, in a sentence: "shared memory", "a UNIX stream", "UDP".
 const char* words_of(LinkConfig::Transport transport);
 

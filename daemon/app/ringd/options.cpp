@@ -66,7 +66,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
   app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
   app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
-      ->transform(cli::one_of({"unix", "shm", "udp"}));
+      ->transform(cli::one_of(config::transport_words()));
   app.add_flag("--one-host", o.one_host, "all nodes are on this machine, whatever hosts the configuration gives");
   add_clock(app, o);
   app.add_flag("--record", o.record,

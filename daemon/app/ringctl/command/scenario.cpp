@@ -14,6 +14,7 @@
 #include "app/ringctl/virtual/play_virtual.h"
 #include "cli/output.h"
 #include "cli/values.h"
+#include "config/ring_config.h"
 #include "process/signal_wait.h"
 #include "scenario/load_scenario.h"
 #include "scenario/only_virtual.h"
@@ -228,7 +229,7 @@ void add_scenario(CLI::App& app, Context& context) {
                  "scenario_cpu as the CPU of every node, which takes packets and sends none, with --virtual")
       ->needs(with_programs);
   command->add_option("--transport", options->transport, "unix, shm or udp for all lines, with --live")
-      ->transform(cli::one_of({"unix", "shm", "udp"}))
+      ->transform(cli::one_of(config::transport_words()))
       ->needs(live);
   command->add_option("--junit", options->junit, "Write JUnit XML there");
   CLI::Option* capture = command->add_option("--capture", options->capture,

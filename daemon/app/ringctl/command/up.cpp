@@ -177,7 +177,7 @@ void add_request(CLI::App& command, UpRequest& request) {
                   "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
       ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
   command.add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
-      ->transform(cli::one_of({"unix", "shm", "udp"}));
+      ->transform(cli::one_of(config::transport_words()));
   command.add_option(
       "--host", request.host,
       "Where CONFIG has `hosts`: start the nodes of this one; all: run all nodes on this machine. Default: "
