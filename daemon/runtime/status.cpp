@@ -67,6 +67,7 @@ json counters_json(const StatusSources& from) {
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full + h.refused_unwatched;
   all["host_garbage"] = h.garbage + h.never_greeted;
   all["host_slow_clients"] = h.slow_clients;
+  all["host_rejected"] = h.rejected;
   all["host_observed_lost"] = h.observed_lost;
   all["host_captured_lost"] = h.captured_lost;
   all["host_interrupts_lost"] = h.interrupts_lost;

@@ -113,6 +113,7 @@ class UnknownPeer(RingTest):
             result = port.wait(token)
             self.assertEqual(result.outcome, 'rejected')
             self.assertNotEqual(result.reason, '')
+        self.assertEqual(self.counters(0)['host_rejected'], len(bad))
         for order in ({'do': 'dance'}, {}, {'do': 'ping', 'to': 77}, {'do': 'ping', 'to': 1, 'size': 513},
                       {'do': 'ping', 'to': 1, 'count': -1}, {'do': 'reset'}):
             self.assert_refused('', port, order)
