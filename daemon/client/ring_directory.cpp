@@ -36,30 +36,12 @@ void require_name(const char* what, const std::string& name) {
                               "not begin with '.' or '-'");
 }
 
-/// A folder that others have made or can write to could hold another user's sockets.
-void require_private(const std::string& folder) {
-  struct stat status {};
-  if (lstat(folder.c_str(), &status) != 0) {
-    throw std::system_error(errno, std::generic_category(), folder);
-  }
-  if (S_ISLNK(status.st_mode)) {
-    throw std::runtime_error(folder + " is a symbolic link; a folder of this user's own is needed");
-  }
-  if (!S_ISDIR(status.st_mode)) throw std::runtime_error(folder + " is not a folder");
-  if (status.st_uid != geteuid()) {
-    throw std::runtime_error(folder + " belongs to user " + std::to_string(status.st_uid) + ", not to this one (" +
-                             std::to_string(geteuid()) + ")");
-  }
-  if ((status.st_mode & kGroupAndOthers) != 0) {
-    throw std::runtime_error(folder + " is open to others; mode 0700 is needed (chmod 700 " + folder + ")");
-  }
-}
-
 void make_private(const std::string& folder) {
   if (mkdir(folder.c_str(), kOwnerOnly) != 0 && errno != EEXIST) {
     throw std::system_error(errno, std::generic_category(), "cannot make the folder " + folder);
   }
-  require_private(folder);
+  const std::string problem = why_not_private(folder);
+  if (!problem.empty()) throw std::runtime_error(folder + ' ' + problem);
 }
 
 bool daemon_answers(const fs::directory_entry& entry) {
@@ -93,6 +75,20 @@ std::string rings_directory(const std::string& runtime) {
 std::string ring_directory(const std::string& ring, const std::string& runtime) {
   require_name("ring", ring);
   return rings_directory(runtime) + "/" + ring;
+}
+
+std::string why_not_private(const std::string& folder) {
+  struct stat status {};
+  if (lstat(folder.c_str(), &status) != 0) return "";
+  if (S_ISLNK(status.st_mode)) return "is a symbolic link; a folder of this user's own is needed";
+  if (!S_ISDIR(status.st_mode)) return "is not a folder";
+  if (status.st_uid != geteuid()) {
+    return "belongs to user " + std::to_string(status.st_uid) + ", not to this one (" + std::to_string(geteuid()) + ")";
+  }
+  if ((status.st_mode & kGroupAndOthers) != 0) {
+    return "is open to others; mode 0700 is needed (chmod 700 " + folder + ")";
+  }
+  return "";
 }
 
 std::string make_ring_directory(const std::string& ring) {

@@ -8,6 +8,8 @@
 
 #include "wire/packet.h"
 
+/// Files of a folder that is not this user's alone are taken for not there (limb_ring/ring_directory.h,
+/// why_not_private).
 namespace limb_ring::live {
 
 /// What the lock file of a node says of the daemon that holds it, or held it last (host/node_lock.h).

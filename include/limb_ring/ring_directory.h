@@ -28,6 +28,10 @@ inline bool is_ring_name(const std::string& name) {
 /// @throw std::invalid_argument where that is no name of a ring
 std::string ring_directory(const std::string& ring, const std::string& runtime = {});
 
+/// Why a folder could hold what others have put there, sockets or lock files: "belongs to user 1001, not to this one
+/// (1000)". Empty where it is this user's alone, or where none is seen.
+std::string why_not_private(const std::string& folder);
+
 /// Creates the folder of a ring (and those above it) with mode 0700.
 /// @throw std::runtime_error naming the folder where it belongs to another user, is a link, is
 ///        open to others, or cannot be made.

@@ -2,6 +2,7 @@
 #include "live/lock_files.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -111,6 +112,19 @@ TEST_F(RingFolder, LeftoversOfOthersStay) {
 }
 
 TEST_F(RingFolder, RingThatIsNotThereHoldsNothing) { EXPECT_THAT(held_nodes(ring_directory("nowhere")), IsEmpty()); }
+
+TEST_F(RingFolder, WhatOthersCouldHavePutThereSaysNothing) {
+  const auto held = lock_of(7);
+  std::filesystem::create_directory_symlink(ring, rings_directory() + "/linked");
+  EXPECT_THAT(held_rings(), ElementsAre("legs"));
+  EXPECT_EQ(holder_of(rings_directory() + "/linked", 7).pid, -1);
+  ::chmod(ring.c_str(), 0755);
+  EXPECT_THAT(held_rings(), IsEmpty());
+  EXPECT_THAT(known_nodes(ring), IsEmpty());
+  EXPECT_EQ(holder_of(ring, 7).program, "");
+  remove_leftovers(ring);
+  EXPECT_TRUE(std::filesystem::exists(ring + "/7.lock"));
+}
 
 TEST_F(RingFolder, ANoteSaysWhatWasDoneToANodeUntilItIsRemoved) {
   write_note(ring, 3_id, "kill left_knee");

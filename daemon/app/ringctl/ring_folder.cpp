@@ -88,7 +88,9 @@ void tidy_folder(const std::string& ring) {
 std::string why_unreadable(const std::string& folder) {
   std::error_code error;
   fs::directory_iterator(folder, error);
-  return error && error != std::errc::no_such_file_or_directory ? ": " + error.message() : "";
+  if (error && error != std::errc::no_such_file_or_directory) return ": " + error.message();
+  const std::string problem = why_not_private(folder);
+  return problem.empty() ? "" : ": " + problem;
 }
 
 }  // namespace limb_ring::ringctl

@@ -38,7 +38,8 @@ bool wait_until_gone(const std::string& folder, Progress& progress);
 /// Removes the folder of a ring that has ended; not where a daemon lives, or has recorded what may tell why.
 void tidy_folder(const std::string& ring);
 
-/// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
+/// ": Permission denied", ": belongs to user 1001 ..." where that folder is not this user's alone; empty where it is,
+/// or is not there.
 std::string why_unreadable(const std::string& folder);
 
 }  // namespace limb_ring::ringctl

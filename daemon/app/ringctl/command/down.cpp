@@ -69,11 +69,12 @@ void remove_what_is_left(const std::string& ring, const std::string& folder) {
 int run(const std::string& ring) {
   const std::string folder = ring_directory(ring);
   if (live::held_nodes(folder).empty()) {
+    const std::string unreadable = why_unreadable(folder);
+    if (!unreadable.empty()) throw NoRing("ring " + ring + ": " + folder + unreadable);
     const auto killed = live::killed_rings();
     remove_what_is_left(ring, folder);
     if (std::count(killed.begin(), killed.end(), ring) != 0) return tell_down(ring);
-    const std::string unreadable = why_unreadable(folder);
-    throw NoRing("ring " + ring + (unreadable.empty() ? " is not running" : ": " + folder + unreadable));
+    throw NoRing("ring " + ring + " is not running");
   }
   if (!end_ring(ring, folder))
     throw NotDone("ring " + ring + ": " + app::counted(live::held_nodes(folder).size(), "daemon") +
