@@ -32,5 +32,14 @@ TEST(InParallel, DoesItAloneWhereNoThreadCanBeMade) {
   ASSERT_EQ(pthread_setattr_default_np(&usual), 0);
 }
 
+TEST(InParallel, ThrowsWhatWasThrownInAnyOfItsThreads) {
+  for (const std::size_t most : {1, 8}) {
+    const auto no_room = [](std::size_t i) {
+      if (i >= 50) throw std::bad_alloc();
+    };
+    EXPECT_THROW(in_parallel(100, most, no_room), std::bad_alloc) << most;
+  }
+}
+
 }  // namespace
 }  // namespace limb_ring::process
