@@ -1,11 +1,10 @@
 #include "config/yaml_file.h"
 
 #include <cerrno>
-#include <cstdint>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <system_error>
 
@@ -15,7 +14,7 @@
 namespace limb_ring::config {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = 1 << 20;
+constexpr std::size_t kMostBytes = 1 << 20;
 
 /// Refuses what is not one document within its limits. yaml-cpp's own way through all documents never ends where a
 /// comma follows the last one: it finds a next document there and never gets beyond it.
@@ -67,9 +66,12 @@ std::string read_file(const std::string& path) {
   if (!std::filesystem::is_regular_file(status)) throw ConfigError(path + ": is not a file; allowed: a regular file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw ConfigError(path + ": cannot be read: " + std::strerror(errno));
-  if (std::filesystem::file_size(path, error) > kMostBytes)
-    throw ConfigError(path + ": is too large; allowed: up to 1 MiB");
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string text(kMostBytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad()) throw ConfigError(path + ": cannot be read: " + std::strerror(errno));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > kMostBytes) throw ConfigError(path + ": is too large; allowed: up to 1 MiB");
+  return text;
 }
 
 }  // namespace limb_ring::config

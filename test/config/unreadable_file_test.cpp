@@ -51,6 +51,11 @@ TEST_F(UnreadableFile, ThatMayNotBeRead) {
   EXPECT_THAT(refusal_of_file(path), HasSubstr("cannot be read: Permission denied"));
 }
 
+TEST_F(UnreadableFile, ThatCannotBeReadToItsEnd) {
+  // A regular file; reading at address 0 of this process's memory is an error of the device.
+  EXPECT_EQ(refusal_of_file("/proc/self/mem"), "/proc/self/mem: cannot be read: Input/output error");
+}
+
 TEST_F(UnreadableFile, ThatIsTooLarge) {
   EXPECT_THAT(refusal_of_file(file(std::string((1 << 20) + 1, '#'))), HasSubstr("is too large; allowed: up to 1 MiB"));
 }
