@@ -37,7 +37,7 @@ class Topics(unittest.TestCase):
         self.addCleanup(commands.unregister)
 
         def is_heard():
-            commands.publish(JointState(name=['nobodys_joint_%d' % next(number)]))
+            commands.publish(JointState(name=['nobodys_joint_%d' % next(number)], position=[0.0]))
             return any('nobodys_joint' in line for line in said)
         wait_for(is_heard, 'the log of the bridge')
         return said
