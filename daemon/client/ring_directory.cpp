@@ -40,6 +40,8 @@ void make_private(const std::string& folder) {
   if (mkdir(folder.c_str(), kOwnerOnly) != 0 && errno != EEXIST) {
     throw std::system_error(errno, std::generic_category(), "cannot make the folder " + folder);
   }
+  struct stat status {};
+  if (lstat(folder.c_str(), &status) != 0) throw std::system_error(errno, std::generic_category(), folder);
   const std::string problem = why_not_private(folder);
   if (!problem.empty()) throw std::runtime_error(folder + ' ' + problem);
 }
