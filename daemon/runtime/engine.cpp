@@ -47,7 +47,7 @@ void Engine::record(const std::string& path, std::size_t size, recorder::Title t
   const core::Time now = clock_.now();
   const auto in_ns = [](auto span) { return std::chrono::duration_cast<nanoseconds>(span).count(); };
   title.zero = in_ns(clock_.steady(core::Time{}).time_since_epoch());
-  title.date = in_ns(system_clock::now().time_since_epoch()) - in_ns(now.time_since_epoch());
+  title.date = in_ns(system_clock::now().time_since_epoch()) - core::whole_nanoseconds(now.time_since_epoch()).count();
   title.settings = controller_.settings();
   recorder_ = std::make_unique<recorder::RecorderFile>(path, size, controller_, title, now, [this] {
     listener_.on_link("recorder: the state of the node has no room any more; enlarge recorder.size");

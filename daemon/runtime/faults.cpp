@@ -210,7 +210,7 @@ json Faults::list() {
     const Fault& fault = active.fault;
     const auto found = there.find({active.on, active.line});
     const LineFaults::Listed* of_line = found == there.end() ? nullptr : &found->second;
-    const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(now - active.since);
+    const auto age = core::whole_nanoseconds(now - active.since);
     json row{{"id", id},
              {"name", fault::word_of(fault.name).word},
              {"fault", fault::to_words(fault, nodes_)},

@@ -152,7 +152,7 @@ bool holds_now(const Latency& latency, const StageView& view) {
 std::string describe(const Latency& latency, const StageView& view) {
   if (none_confirmed(latency, view)) return "none was confirmed";
   const core::Duration worst = view.tally(latency.send).worst;
-  return config::format_time(std::chrono::duration_cast<nanoseconds>(worst));
+  return config::format_time(core::whole_nanoseconds(worst));
 }
 
 }  // namespace

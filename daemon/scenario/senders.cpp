@@ -47,7 +47,7 @@ void Senders::babble(NodeId from, core::Duration every, std::function<bool()> ov
   send.name = "babble";
   send.to = wire::kBroadcast;
   send.size = wire::kMaxPayload;
-  send.every = every.count() == 0 ? kBabblePeriod : std::chrono::duration_cast<nanoseconds>(every);
+  send.every = every.count() == 0 ? kBabblePeriod : core::whole_nanoseconds(every);
   ask_and_go_on(jobs_.emplace_back(Job{send, from, index_of(send.name), UINT64_MAX, std::move(over)}));
 }
 

@@ -40,7 +40,7 @@ app::Row results_of(const scenario::SendResults& send) {
   app::Row row{{"name", send.name}, {"taken", send.tally.taken}};
   for (std::size_t i = 0; i < send.tally.results.size(); ++i)
     row[to_string(static_cast<core::Outcome>(i))] = send.tally.results[i];
-  row["worst_latency_ns"] = std::chrono::duration_cast<std::chrono::nanoseconds>(send.tally.worst).count();
+  row["worst_latency_ns"] = core::whole_nanoseconds(send.tally.worst).count();
   return row;
 }
 
