@@ -42,13 +42,11 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       status_(nodes_, parameters_.ring, parameters_.daemon, port_, joints_, events_, counters_,
               [this](std::uint8_t node) { on_boot(node); }),
       frames_(nodes_, parameters_.ring, parameters_.daemon, frame_filter(parameters_), counters_, port_.ros_clock()),
+      interrupts_(parameters_.ring),
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.daemon, port_, commands_)) {
   make_topics();
   port_.on_connection([daemon = parameters_.daemon](const auto& problem) { tell_connection(daemon, problem); });
-  port_.on_interrupt([](const Interrupt& interrupt) {
-    ROS_WARN("interrupt %u from node %u: %s", interrupt.factor, interrupt.source,
-             interrupt.action == Interrupt::Action::stop ? "stop" : "notice");
-  });
+  port_.on_interrupt([this](const Interrupt& interrupt) { tell_interrupt(interrupt); });
   if (parameters_.tells_time) port_.on_time([this](std::chrono::nanoseconds now) { tell_time(now); });
   if (parameters_.follows) follower_.emplace(nodes_, parameters_.daemon, port_.ros_clock());
   if (parameters_.promises) {
@@ -77,6 +75,16 @@ void Bridge::make_topics() {
       topics_in_.push_back(
           std::make_unique<TopicIn>(nodes_, static_cast<std::uint8_t>(i), topics[i], port_, counters_));
   publishers_.emplace(nodes_, topics_in_);
+}
+
+void Bridge::tell_interrupt(const Interrupt& interrupt) {
+  counters_.add("interrupts_in");
+  const auto line = interrupts_.take(interrupt);
+  if (!line) return;
+  if (interrupt.action == Interrupt::Action::stop)
+    ROS_WARN("%s", line->c_str());
+  else
+    ROS_INFO("%s", line->c_str());
 }
 
 void Bridge::tell_time(std::chrono::nanoseconds now) {

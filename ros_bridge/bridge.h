@@ -13,6 +13,7 @@
 #include "ros_bridge/diagnostics_out.h"
 #include "ros_bridge/events_out.h"
 #include "ros_bridge/frames_out.h"
+#include "ros_bridge/interrupt_log.h"
 #include "ros_bridge/joint_data_out.h"
 #include "ros_bridge/parameters.h"
 #include "ros_bridge/publisher_look.h"
@@ -35,6 +36,7 @@ class Bridge {
 
  private:
   void make_topics();
+  void tell_interrupt(const Interrupt& interrupt);
   void tell_time(std::chrono::nanoseconds now);
   void on_boot(std::uint8_t node);
 
@@ -53,6 +55,7 @@ class Bridge {
   EventsOut events_;
   StatusOut status_;
   FramesOut frames_;
+  InterruptLog interrupts_;  ///< ring thread
   std::unique_ptr<Services> services_;
   ros::WallTimer alive_;
   ros::Publisher clock_;  ///< ring thread

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <optional>
+#include <utility>
 
 namespace limb_ring::bridge {
 
@@ -11,15 +14,20 @@ class Throttle {
   using Clock = std::chrono::steady_clock;
 
   explicit Throttle(Clock::duration period) : period_(period) {}
-  bool allow(Clock::time_point now = Clock::now()) {
-    if (now < next_) return false;
+  /// @return how many were held back since one was let through; nothing: this one is, too
+  std::optional<std::uint64_t> allow(Clock::time_point now = Clock::now()) {
+    if (now < next_) {
+      ++held_back_;
+      return std::nullopt;
+    }
     next_ = now + period_;
-    return true;
+    return std::exchange(held_back_, 0);
   }
 
  private:
   Clock::duration period_;
   Clock::time_point next_{};
+  std::uint64_t held_back_ = 0;
 };
 
 }  // namespace limb_ring::bridge
