@@ -83,7 +83,7 @@ void Session::attach(const ClientInfo& info, TurnKeeper* turns) {
 void Session::begin_turn(std::chrono::nanoseconds now) {
   has_turn_ = true;
   has_news_ = false;
-  client::append(out_, client::Turn{now});
+  client::append(out_.to_append(), client::Turn{now});
   if (!flush_under_way_) flush();
 }
 
@@ -91,7 +91,7 @@ void Session::end_turn(std::chrono::nanoseconds until) {
   has_turn_ = false;
   if (!std::exchange(waited_for_, true)) watch_.set_events(input_events());
   // Results that wait go out with the client's next turn, so that comes within kGatherResults.
-  waits_until_ = queued() > 0 ? std::min(until, turns_->now() + kGatherResults) : until;
+  waits_until_ = !out_.empty() ? std::min(until, turns_->now() + kGatherResults) : until;
 }
 
 bool Session::await_message() {
@@ -156,7 +156,7 @@ void Session::take_frames() {
 }
 
 bool Session::keeps_limit() {
-  if (queued() <= kMaxQueued) return true;
+  if (!out_.is_over_limit()) return true;
   fail(SessionOwner::End::too_slow);
   return false;
 }
@@ -170,7 +170,7 @@ void Session::put_result(const Result& result) {
 
 bool Session::put_observed(const Observed& observed) {
   if (!open()) return true;
-  if (queued() + observed.json.size() > kMaxQueuedForObserved) {
+  if (out_.size() + observed.json.size() > kMaxQueuedForObserved) {
     ++observed_lost_;
     return false;
   }
@@ -181,9 +181,9 @@ bool Session::put_observed(const Observed& observed) {
 
 bool Session::put_captured(const client::CapturedView& packet) {
   if (!open()) return true;
-  if (queued() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
-  client::append(out_, packet);
-  if (turns_ == nullptr && queued() < kCapturedLot) {
+  if (out_.size() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
+  client::append(out_.to_append(), packet);
+  if (turns_ == nullptr && out_.size() < kCapturedLot) {
     flush_within(kGatherCaptured);
   } else {
     flush_soon();
@@ -226,32 +226,22 @@ void Session::flush() {
   watch_.set_events(input_events());
   const int error = write_now();
   if (error != 0 && !would_block(error)) return fail(SessionOwner::End::closed);
-  if (queued() > 0) return wait_writable();
+  if (!out_.empty()) return wait_writable();
   tell_observed_lost();
 }
 
 int Session::write_now() {
-  while (queued() > 0) {
-    const ssize_t went = ::send(socket_.get(), out_.data() + written_, queued(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  while (!out_.empty()) {
+    const ssize_t went = ::send(socket_.get(), out_.view().data, out_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (went < 0 && errno != EINTR) return errno;
-    if (went > 0) written_ += static_cast<std::size_t>(went);
+    if (went > 0) out_.remove(static_cast<std::size_t>(went));
   }
-  out_.clear();
-  written_ = 0;
   return 0;
 }
 
 void Session::wait_writable() {
-  drop_written();
   flush_under_way_ = true;
   watch_.set_events(input_events() | EPOLLOUT);
-}
-
-/// Moving the rest to the front is expensive, so it is done only when at least as much has been written.
-void Session::drop_written() {
-  if (written_ < queued()) return;
-  out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(written_));
-  written_ = 0;
 }
 
 bool Session::hung_up() const {
@@ -262,7 +252,7 @@ bool Session::hung_up() const {
 void Session::end(const std::string& reason) {
   if (!open()) return;
   owner_ = nullptr;
-  if (!reason.empty()) client::append(out_, client::Refused{reason});
+  if (!reason.empty()) client::append(out_.to_append(), client::Refused{reason});
   write_now();
   greeting_timer_.cancel();
   gather_timer_.cancel();

@@ -7,6 +7,7 @@
 
 #include "client/host_message.h"
 #include "client/stream_buffer.h"
+#include "event_loop/backlog.h"
 #include "event_loop/packet_loop.h"
 #include "host/host_handler.h"
 #include "host/turn_keeper.h"
@@ -113,7 +114,7 @@ class Session : public std::enable_shared_from_this<Session> {
   template <typename Kind>
   bool append(const Kind& message) {
     if (!open()) return false;
-    client::append(out_, message);
+    client::append(out_.to_append(), message);
     return keeps_limit();
   }
   bool keeps_limit();
@@ -123,10 +124,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void flush();
   int write_now();  ///< 0, or the errno that stopped it
   void wait_writable();
-  void drop_written();
   void tell_observed_lost();
   void fail(SessionOwner::End end);
-  std::size_t queued() const { return out_.size() - written_; }
 
   event_loop::PacketLoop& loop_;
   process::UniqueFd socket_;
@@ -136,8 +135,7 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionOwner* owner_;
   bool attached_ = false;
   client::StreamBuffer in_;
-  client::Bytes out_;
-  std::size_t written_ = 0;
+  event_loop::Backlog out_{kMaxQueued};
   bool flush_under_way_ = false;
   std::chrono::milliseconds gathering_for_{0};  ///< the shortest time that gather_timer_ was set for; 0: it is not set
   std::uint64_t observed_lost_ = 0;

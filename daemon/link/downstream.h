@@ -14,6 +14,9 @@ class Downstream {
  public:
   /// Headers of the other end that are read in a row, before others get their turn; a node sends a few in a second.
   static constexpr int kMostHeaders = 64;
+  /// Bytes that may wait for the socket. Far above what one batch brings: the Packet Manager writes only while nothing
+  /// waits.
+  static constexpr std::size_t kMostWaiting = 1 << 20;
 
   /// `candidate` is its index in OutputSettings::candidates.
   struct Owner {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "event_loop/backlog.h"
 #include "event_loop/watch.h"
-#include "link/backlog.h"
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
@@ -62,7 +62,7 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
   std::optional<Opener> opener_;
   std::uint64_t session_;  ///< the upper half is ours; the lower one theirs, 0 until accepted
   bool accepted_ = false;
-  Backlog backlog_;
+  event_loop::Backlog backlog_{kMostWaiting};
   bool failed_ = false;
   event_loop::Watch watch_;
 };

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "event_loop/backlog.h"
 #include "event_loop/watch.h"
-#include "link/backlog.h"
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
@@ -62,7 +62,7 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   process::UniqueFd socket_;
   std::array<std::uint8_t, kLinkHeaderSize> header_{};
   std::size_t header_size_ = 0;
-  Backlog backlog_;
+  event_loop::Backlog backlog_{kMostWaiting};
   bool failed_ = false;
   event_loop::Watch watch_;
 };

@@ -127,7 +127,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"cli", {"config"}},
     {"payload", {"wire", "limb_ring"}},
     {"client", {"wire", "capture", "process", "limb_ring"}},
-    {"event_loop", {"process"}},
+    {"event_loop", {"wire", "process"}},
     {"link", {"wire", "event_loop", "process"}},
     {"host", {"wire", "capture", "client", "event_loop", "process", "limb_ring"}},
     {"firmware", {"wire", "payload", "config", "cli", "client", "process", "limb_ring"}},

@@ -5,13 +5,12 @@
 
 #include "wire/bytes.h"
 
-namespace limb_ring::link {
+namespace limb_ring::event_loop {
 
 /// Bytes a socket has not taken yet, in order, up to a limit.
 class Backlog {
  public:
-  /// Far above what one batch brings: the Packet Manager writes only while nothing waits.
-  static constexpr std::size_t kLimit = 1 << 20;
+  explicit Backlog(std::size_t limit) : limit_(limit) {}
 
   bool empty() const { return done_ == bytes_.size(); }
   std::size_t size() const { return bytes_.size() - done_; }
@@ -21,11 +20,17 @@ class Backlog {
 
   /// @return false: too much; nothing was added.
   bool add(wire::ByteView more) {
-    if (size() + more.size > kLimit) return false;
-    drop_done();
-    bytes_.insert(bytes_.end(), more.begin(), more.end());
+    if (size() + more.size > limit_) return false;
+    std::vector<std::uint8_t>& bytes = to_append();
+    bytes.insert(bytes.end(), more.begin(), more.end());
     return true;
   }
+  /// For a writer that appends; until the next call. What it has appended may be too much: see is_over_limit().
+  std::vector<std::uint8_t>& to_append() {
+    drop_done();
+    return bytes_;
+  }
+  bool is_over_limit() const { return size() > limit_; }
   void remove(std::size_t count) {
     done_ += count;
     if (empty()) clear();
@@ -44,8 +49,9 @@ class Backlog {
     done_ = 0;
   }
 
+  std::size_t limit_;
   std::vector<std::uint8_t> bytes_;
   std::size_t done_ = 0;
 };
 
-}  // namespace limb_ring::link
+}  // namespace limb_ring::event_loop

@@ -1,14 +1,15 @@
-#include "link/backlog.h"
+#include "event_loop/backlog.h"
 
 #include <gtest/gtest.h>
 
-namespace limb_ring::link {
+namespace limb_ring::event_loop {
 namespace {
 
+constexpr std::size_t kLimit = 1 << 20;
 const std::vector<std::uint8_t> kPacket(1000, 7);
 
 TEST(Backlog, HandsOutItsBytesInOrderWhateverWasTakenBefore) {
-  Backlog backlog;
+  Backlog backlog(kLimit);
   std::uint8_t in = 0, out = 0;
   for (int round = 0; round < 1000; ++round) {
     for (int i = 0; i < 7; ++i) ASSERT_TRUE(backlog.add({&++in, 1}));
@@ -20,7 +21,7 @@ TEST(Backlog, HandsOutItsBytesInOrderWhateverWasTakenBefore) {
 }
 
 TEST(Backlog, ThatIsNeverEmptyDoesNotGrow) {
-  Backlog backlog;
+  Backlog backlog(kLimit);
   ASSERT_TRUE(backlog.add({kPacket.data(), kPacket.size()}));
   for (int i = 0; i < 20000; ++i) {
     ASSERT_TRUE(backlog.add({kPacket.data(), kPacket.size()}));
@@ -31,12 +32,24 @@ TEST(Backlog, ThatIsNeverEmptyDoesNotGrow) {
 }
 
 TEST(Backlog, TakesNoMoreThanItsLimit) {
-  Backlog backlog;
+  Backlog backlog(kLimit);
   std::size_t taken = 0;
   while (backlog.add({kPacket.data(), kPacket.size()})) taken += kPacket.size();
-  EXPECT_EQ(taken, Backlog::kLimit / kPacket.size() * kPacket.size());
+  EXPECT_EQ(taken, kLimit / kPacket.size() * kPacket.size());
   EXPECT_EQ(backlog.size(), taken);
 }
 
+TEST(Backlog, TellsAWriterThatAppendsTooMuch) {
+  Backlog backlog(2 * kPacket.size());
+  const auto append = [&] { backlog.to_append().insert(backlog.to_append().end(), kPacket.begin(), kPacket.end()); };
+  append();
+  append();
+  EXPECT_FALSE(backlog.is_over_limit());
+  append();
+  EXPECT_TRUE(backlog.is_over_limit());
+  backlog.remove(kPacket.size());
+  EXPECT_FALSE(backlog.is_over_limit());
+}
+
 }  // namespace
-}  // namespace limb_ring::link
+}  // namespace limb_ring::event_loop
