@@ -37,7 +37,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       commands_(
           nodes_, parameters_.ring, port_, [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
       controllers_(parameters_.ring, port_, joints_, commands_),
-      diagnostics_(nodes_, parameters_.ring, port_.ros_clock()),
+      diagnostics_(nodes_, parameters_.ring, counters_, port_.ros_clock()),
       events_(nodes_, parameters_.ring, parameters_.daemon, counters_, port_.ros_clock()),
       status_(nodes_, parameters_.ring, parameters_.daemon, port_, joints_, events_, counters_,
               [this](std::uint8_t node) { on_boot(node); }),

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "ask/arrived.h"
 #include "ask/resume_cpu.h"
 #include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/outcome_word.h"
@@ -50,9 +51,9 @@ void CommandIn::on_command(const std::string& topic, const Event& event) {
         offer(part);
       }
     });
-    if (!posted) counters_.add("commands_dropped_busy");
+    if (!posted) counters_.lose("commands_dropped_busy");
   } catch (const std::invalid_argument& error) {
-    counters_.add("commands_refused");
+    counters_.lose("commands_refused");
     if (refusal_.allow()) ROS_WARN("%s: command refused: %s", topic.c_str(), error.what());
   }
 }
@@ -73,8 +74,8 @@ void CommandIn::warn_unknown(const std::string& topic, const std::vector<std::st
 
 void CommandIn::offer(const CommandSplit::Part& part) {
   NodeCommands& commands = by_node_[part.node];
-  if (!port_.connected()) return counters_.add("commands_dropped_disconnected");
-  if (!speaks_(part.node)) return counters_.add("commands_withheld_silent");
+  if (!port_.connected()) return counters_.lose("commands_dropped_disconnected");
+  if (!speaks_(part.node)) return counters_.lose("commands_withheld_silent");
   auto done = [this, node = part.node](const Result& result) { on_result(node, result); };
   if (commands.under_way < kUnderWay) return send(part.node, part.command, done);
   if (const unsigned replaced = commands.waiting.put(part.command)) counters_.add("commands_superseded", replaced);
@@ -87,19 +88,23 @@ void CommandIn::send(std::uint8_t node, payload::JointCommand command, RingPort:
   if (!bytes) {
     // Only a configuration with more joints per node than a packet holds gets here.
     ROS_ERROR_ONCE("command to node %u cannot be written: %s", node, payload::to_string(bytes.error()).c_str());
-    return counters_.add("commands_refused");
+    return counters_.lose("commands_refused");
   }
   ++commands.under_way;
   port_.send({node, kCommandPriority, payload::kJointChannel, *bytes}, std::move(done));
 }
 
 void CommandIn::on_result(std::uint8_t node, const Result& result) {
-  counters_.add("commands_" + outcome_word(result.outcome));
+  const std::string ended = "commands_" + outcome_word(result.outcome);
+  if (ask::may_have_arrived(result))
+    counters_.add(ended);
+  else
+    counters_.lose(ended);
   NodeCommands& commands = by_node_[node];
   --commands.under_way;
   if (commands.waiting.size() == 0) return;
   if (!port_.connected()) {
-    counters_.add("commands_dropped_disconnected", commands.waiting.size());
+    counters_.lose("commands_dropped_disconnected", commands.waiting.size());
     return commands.waiting.clear();
   }
   send(node, *commands.waiting.take(), [this, node](const Result& r) { on_result(node, r); });

@@ -10,6 +10,8 @@ namespace limb_ring::bridge {
 /// What the bridge has taken, sent and thrown away, by name; shown in ring_status. Any thread.
 class Counters {
  public:
+  using Values = std::map<std::string, std::uint64_t>;
+
   void add(const std::string& name, std::uint64_t count = 1) {
     std::lock_guard<std::mutex> lock(mutex_);
     values_[name] += count;
@@ -18,14 +20,29 @@ class Counters {
     std::lock_guard<std::mutex> lock(mutex_);
     values_[name] = value;
   }
-  std::map<std::string, std::uint64_t> all() const {
+  /// As add(), of what was lost or thrown away though somebody wanted it: /diagnostics warns.
+  void lose(const std::string& name, std::uint64_t count = 1) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    losses_[name] = values_[name] += count;
+  }
+  /// As set(), of such losses.
+  void set_lost(const std::string& name, std::uint64_t value) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    losses_[name] = values_[name] = value;
+  }
+  Values all() const {
     std::lock_guard<std::mutex> lock(mutex_);
     return values_;
+  }
+  /// Those of lose() and set_lost().
+  Values losses() const {
+    std::lock_guard<std::mutex> lock(mutex_);
+    return losses_;
   }
 
  private:
   mutable std::mutex mutex_;
-  std::map<std::string, std::uint64_t> values_;
+  Values values_, losses_;
 };
 
 }  // namespace limb_ring::bridge

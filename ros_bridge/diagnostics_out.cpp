@@ -12,8 +12,9 @@ std::string prefix_in(const ros::NodeHandle& nodes) { return nodes.resolveName("
 
 }  // namespace
 
-DiagnosticsOut::DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const RosClock& clock)
-    : updater_(nodes, prefix_in(nodes), ring.ring, clock) {
+DiagnosticsOut::DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const Counters& counters,
+                               const RosClock& clock)
+    : counters_(counters), updater_(nodes, prefix_in(nodes), ring.ring, clock) {
   updater_.add("ring", [this](DiagnosticStatusWrapper& out) { tell_bridge(out); });
   for (std::size_t i = 0; i < ring.nodes.size(); ++i) {
     NodeHealth& node = nodes_.emplace_back(ring.nodes[i], ring.timeouts.beacon);
@@ -29,13 +30,15 @@ void DiagnosticsOut::add(const PromisesOut& promises) {
 
 void DiagnosticsOut::take(const RingStatus& status) {
   status_ = status;
+  losses_.take(counters_.losses(), Clock::now());
   for (NodeHealth& node : nodes_) node.take(status, Clock::now());
   for (LineHealth& line : lines_) line.take(status, Clock::now());
   updater_.update();
 }
 
-void DiagnosticsOut::tell_bridge(DiagnosticStatusWrapper& out) const {
+void DiagnosticsOut::tell_bridge(DiagnosticStatusWrapper& out) {
   tell_ring(status_, out);
+  losses_.tell(out, Clock::now());
   out.add("ring", status_.ring);
   out.add("bridge at node", status_.node);
   out.add("ring size", status_.ring_size);

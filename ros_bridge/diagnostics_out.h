@@ -2,6 +2,7 @@
 
 #include <deque>
 
+#include "ros_bridge/bridge_losses.h"
 #include "ros_bridge/line_health.h"
 #include "ros_bridge/node_health.h"
 #include "ros_bridge/promises_out.h"
@@ -13,7 +14,8 @@ namespace limb_ring::bridge {
 /// namespace, where there is one); hardware id: the ring's name. One thread.
 class DiagnosticsOut {
  public:
-  DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const RosClock& clock);
+  DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const Counters& counters,
+                 const RosClock& clock);
 
   /// From now on "promises" is told as well; they must outlive this. Before the first take().
   void add(const PromisesOut& promises);
@@ -21,9 +23,11 @@ class DiagnosticsOut {
   void take(const RingStatus& status);
 
  private:
-  void tell_bridge(diagnostic_updater::DiagnosticStatusWrapper& out) const;
+  void tell_bridge(diagnostic_updater::DiagnosticStatusWrapper& out);
 
+  const Counters& counters_;
   RingStatus status_;
+  BridgeLosses losses_;
   std::deque<NodeHealth> nodes_;  // a deque: the updater's tasks hold on to them
   std::deque<LineHealth> lines_;
   StampedUpdater updater_;

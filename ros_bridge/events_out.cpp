@@ -26,7 +26,7 @@ void EventsOut::take(const config::NodeConfig& node, const Message& message) {
       publisher_.publish(event);
     }
   } else if (const auto* lost = std::get_if<ObservedLost>(&message)) {
-    counters_.add("events_lost", lost->count);
+    counters_.lose("events_lost", lost->count);
   } else if (std::holds_alternative<Disconnected>(message)) {
     publish_now(conversion_.gone(node));
   } else if (const auto* reply = std::get_if<Reply>(&message)) {

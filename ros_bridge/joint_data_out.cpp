@@ -58,10 +58,10 @@ void JointDataOut::on_packet(const Packet& packet) {
 
 void JointDataOut::take_state(const Packet& packet) {
   const auto state = payload::decode_joint_state(packet.data);
-  if (!state) return counters_.add("joint_packets_malformed");
+  if (!state) return counters_.lose("joint_packets_malformed");
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    if (!store_.take(packet.source, *state, port_.now())) return counters_.add("joint_packets_unfit");
+    if (!store_.take(packet.source, *state, port_.now())) return counters_.lose("joint_packets_unfit");
   }
   counters_.add("states_in");
   publish_sample(packet.source, *state);
@@ -78,10 +78,10 @@ void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& 
 
 void JointDataOut::take_reading(const Packet& packet) {
   const auto reading = payload::decode_sensor_reading(packet.data);
-  if (!reading) return counters_.add("joint_packets_malformed");
+  if (!reading) return counters_.lose("joint_packets_malformed");
   const auto& sensors = sampled_[packet.source].sensors;
   if (reading->sensor >= sensors.size() || !is_kind(reading->kind, sensors[reading->sensor].kind))
-    return counters_.add("joint_packets_unfit");
+    return counters_.lose("joint_packets_unfit");
   const Sensor& sensor = sensors[reading->sensor];
   counters_.add("readings_in");
   if (sensor.publisher.getNumSubscribers() == 0) return;

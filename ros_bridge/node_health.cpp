@@ -51,6 +51,8 @@ bool NodeHealth::is_heard() const {
 
 void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
   for (const auto& step : errors_.take(now)) recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
+  if (now.states_missing > status_.states_missing)
+    recent_.note("states", "joint states missing +" + std::to_string(now.states_missing - status_.states_missing), at);
   if (now.commands_not_obeyed > status_.commands_not_obeyed)
     recent_.note("commands",
                  "commands not obeyed +" + std::to_string(now.commands_not_obeyed - status_.commands_not_obeyed), at);

@@ -79,7 +79,7 @@ void TopicIn::on_message(const Event& event) {
     std::lock_guard<std::mutex> lock(mutex_);
     if (handed_in_.size() >= topic_.queue) {
       handed_in_.pop_front();
-      counters_.add("topic_" + topic_.input + "_dropped_queue");
+      counters_.lose("topic_" + topic_.input + "_dropped_queue");
     }
     first = handed_in_.empty();
     handed_in_.push_back(std::move(message));
@@ -87,7 +87,7 @@ void TopicIn::on_message(const Event& event) {
   // One hand-over takes all messages that wait. Where it cannot be posted, the next message tries again.
   if (first && !port_.post([this] { hand_over(); })) {
     std::lock_guard<std::mutex> lock(mutex_);
-    counters_.add("topic_" + topic_.input + "_dropped_busy", handed_in_.size());
+    counters_.lose("topic_" + topic_.input + "_dropped_busy", handed_in_.size());
     handed_in_.clear();
   }
 }

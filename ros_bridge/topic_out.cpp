@@ -33,7 +33,7 @@ void TopicOut::on_packet(const Packet& packet) {
   auto message = reassembler_.take(packet.source, {packet.data.data(), packet.data.size()});
   if (!message) return;
   const auto found = outputs_.find(message->topic);
-  if (found == outputs_.end() || found->second.topic.from != message->source) return counters_.add("topics_unfit");
+  if (found == outputs_.end() || found->second.topic.from != message->source) return counters_.lose("topics_unfit");
   if (message->kind == payload::Fragment::Kind::data) return on_message(found->second, std::move(message->bytes));
   on_announced(found->second, *reassembler_.announcement(message->source, message->topic));
 }
@@ -88,7 +88,7 @@ void TopicOut::take_advertised() {
 }
 
 void TopicOut::on_message(Output& output, std::vector<std::uint8_t> bytes) {
-  if (!output.type) return counters_.add("topics_unfit");
+  if (!output.type) return counters_.lose("topics_unfit");
   take_advertised();
   if (output.publisher) return publish(output, std::move(bytes));
   output.waiting.push_back(std::move(bytes));
@@ -98,7 +98,7 @@ void TopicOut::on_message(Output& output, std::vector<std::uint8_t> bytes) {
 void TopicOut::drop(Output& output, std::size_t oldest) {
   if (oldest == 0) return;
   output.waiting.erase(output.waiting.begin(), output.waiting.begin() + static_cast<std::ptrdiff_t>(oldest));
-  counters_.add("topic_" + output.topic.output + "_dropped_queue", oldest);
+  counters_.lose("topic_" + output.topic.output + "_dropped_queue", oldest);
 }
 
 void TopicOut::publish(Output& output, std::vector<std::uint8_t> bytes) {
@@ -114,11 +114,11 @@ void TopicOut::each_second() {
   if (outputs_.empty()) return;
   take_advertised();
   const auto& c = reassembler_.counters();
-  counters_.set("topics_lost_a_fragment", c.lost);
-  counters_.set("topics_unannounced", c.unannounced);
-  counters_.set("topics_too_large", c.too_large);
-  counters_.set("topics_no_memory", c.no_memory + c.evicted);
-  counters_.set("topics_corrupt", c.corrupt + c.malformed);
+  counters_.set_lost("topics_lost_a_fragment", c.lost);
+  counters_.set_lost("topics_unannounced", c.unannounced);
+  counters_.set_lost("topics_too_large", c.too_large);
+  counters_.set_lost("topics_no_memory", c.no_memory + c.evicted);
+  counters_.set_lost("topics_corrupt", c.corrupt + c.malformed);
 }
 
 }  // namespace limb_ring::bridge

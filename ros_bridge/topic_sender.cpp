@@ -19,7 +19,7 @@ void TopicSender::offer(TopicMessage message) {
   message.type.name = topic_.output;
   if (waiting_.size() >= topic_.queue) {
     waiting_.pop_front();
-    count("dropped_queue");
+    lose("dropped_queue");
   }
   waiting_.push_back(std::move(message));
   pump();
@@ -68,7 +68,7 @@ bool TopicSender::start_announcement() {
   type_is_known_ = false;
   const auto bytes = payload::encode(*type_);
   if (!bytes || !fragmenter_.start(Fragment::Kind::announcement, *bytes)) {
-    count("dropped_type_too_large");
+    lose("dropped_type_too_large");
     waiting_.clear();
     return false;
   }
@@ -88,7 +88,7 @@ bool TopicSender::start_message() {
       return true;
     }
     latched_.reset();
-    count("dropped_too_large");
+    lose("dropped_too_large");
   }
   return false;
 }
@@ -128,7 +128,10 @@ void TopicSender::fail(Flight& flight, std::uint64_t serial, Outcome outcome) {
   flight.failed = true;
   type_is_known_ = false;
   announce_due_ = !flight.announcement;
-  count((flight.announcement ? "announcement_" : "dropped_") + outcome_word(outcome));
+  if (flight.announcement)
+    count("announcement_" + outcome_word(outcome));
+  else
+    lose("dropped_" + outcome_word(outcome));
   if (!flight.announcement && serial == serial_) latched_missing_ = latched_.has_value();
 }
 

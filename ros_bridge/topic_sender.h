@@ -70,6 +70,7 @@ class TopicSender {
   void fail(Flight& flight, std::uint64_t serial, Outcome outcome);
   void finish(const Flight& flight);
   void count(const std::string& what) { counters_.add(prefix_ + what); }
+  void lose(const std::string& what) { counters_.lose(prefix_ + what); }
 
   payload::Fragmenter fragmenter_;
   config::TopicConfig topic_;

@@ -9,6 +9,7 @@ import rostest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from limb_ring.srv import ClearFaults, InjectFault
+from sensor_msgs.msg import JointState
 
 from ring_testing import Ring, kill_process, wait_for
 
@@ -84,6 +85,18 @@ class Diagnostics(unittest.TestCase):
             return {value.key: value.value for value in self.all()['promises'].values}
         wait_for(lambda: told()['nodes watched'] == '16' and int(told()['sends']) > 0, 'sends to be judged at all nodes')
         self.assertEqual((told()['broken'], told()['last broken']), ('0', 'none'))
+
+    def test_what_the_bridge_loses_is_a_warning_with_the_counters_name(self):
+        commands = rospy.Publisher('joint_commands', JointState, queue_size=1)
+        self.addCleanup(commands.unregister)
+        self.from_now_on()
+
+        def is_told():
+            commands.publish(JointState(name=['left_knee_pitch']))   # without a value
+            return [told for told in self.told[self.since:]
+                    if told['ring'].level == WARN and 'commands_refused +' in told['ring'].message]
+        wait_for(is_told, 'the warning')
+        self.wait_until_well()
 
     def test_a_hung_cpu_is_an_error_of_its_node_and_of_no_line(self):
         fault = service('inject_fault', InjectFault)(fault='hang left_knee')

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "ros/small_robot.h"
+#include "ros_bridge/bridge_losses.h"
 #include "ros_bridge/line_health.h"
 #include "ros_bridge/node_health.h"
 #include "ros_bridge/ring_health.h"
@@ -209,6 +210,42 @@ TEST_F(Health, WarnsOfCommandsThatTheCpuDoesNotObey) {
   take();
   now += kWarnFor + 1ns;
   EXPECT_EQ(of_node().level, Level::OK);
+}
+
+TEST_F(Health, WarnsOfJointStatesThatAreMissing) {
+  take();
+  knee().states_missing = 3;
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  EXPECT_EQ(of_node().message, "joint states missing +3");
+  take();
+  now += kWarnFor + 1ns;
+  EXPECT_EQ(of_node().level, Level::OK);
+}
+
+TEST_F(Health, OfTheRingWarnsOfEachLossOfTheBridgeThatHasGrown) {
+  Counters counters;
+  BridgeLosses losses;
+  const auto told = [&] {
+    losses.take(counters.losses(), now);
+    Status out = of_ring();
+    losses.tell(out, now);
+    return out;
+  };
+  counters.add("states_in", 9);
+  counters.set_lost("topics_corrupt", 0);
+  EXPECT_EQ(told().level, Level::OK);
+  counters.lose("commands_refused");
+  told();
+  counters.lose("commands_refused", 2);
+  counters.set_lost("topics_corrupt", 1);
+  EXPECT_EQ(told().level, Level::WARN);
+  EXPECT_EQ(told().message, "3 of 3 nodes up; lately lost by the bridge: commands_refused +2, topics_corrupt +1");
+  status.connected = false;
+  EXPECT_EQ(told().level, Level::ERROR);
+  status.connected = true;
+  now += kWarnFor + 1ns;
+  EXPECT_EQ(told().level, Level::OK);
 }
 
 TEST_F(Health, OfALineCountsWhatItsEndReceived) {
