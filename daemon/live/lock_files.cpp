@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -14,6 +13,7 @@
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
 #include "process/process_state.h"
+#include "process/regular_file.h"
 #include "process/unique_fd.h"
 
 namespace limb_ring::live {
@@ -45,7 +45,7 @@ std::optional<std::uint8_t> node_of(const fs::path& file) {
 /// The kernel frees a lock when its holder ends, so a lock that cannot be had has a living holder. This asks for the
 /// lock and does not take it: a daemon that starts at this moment gets it (host/node_lock.cpp).
 bool is_held(const fs::path& lock) {
-  const process::UniqueFd file(::open(lock.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const process::UniqueFd file = process::open_regular(lock);
   struct flock whole_file {};
   whole_file.l_type = F_WRLCK;
   whole_file.l_whence = SEEK_SET;
@@ -91,6 +91,12 @@ std::string noted_fault(const std::string& folder, std::uint8_t node) {
   return note ? note->name() : "";
 }
 
+/// A file that says something of a node, or of who starts the ring.
+bool is_read(const fs::path& file) {
+  const std::string kind = file.extension();
+  return kind == ".lock" || kind == ".fault" || kind == ".killed";
+}
+
 /// A note whose writer was killed (node_notes.cpp): 3.fault.4711
 bool is_unfinished_note(const fs::path& file) {
   const std::string pid = file.extension(), kind = file.stem().extension();
@@ -111,7 +117,7 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   const fs::path lock = fs::path(folder) / (std::to_string(node) + ".lock");
   Holder holder;
   if (!why_not_private(folder).empty()) return holder;
-  std::ifstream file(lock);
+  std::istringstream file(process::text_of_regular(lock));
   std::string pid;
   std::getline(file, pid);
   holder.arguments = rest_of(file);
@@ -139,11 +145,17 @@ std::vector<HeldNode> held_nodes(const std::string& folder) {
   return held;
 }
 
+std::vector<std::string> ring_folders() {
+  std::vector<std::string> folders;
+  for (const fs::path& folder : files_in(rings_directory())) folders.push_back(folder.string());
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
 std::vector<std::string> held_rings() {
   std::vector<std::string> rings;
-  for (const fs::path& folder : files_in(rings_directory()))
+  for (const fs::path folder : ring_folders())
     if (!held_nodes(folder).empty()) rings.push_back(folder.filename());
-  std::sort(rings.begin(), rings.end());
   return rings;
 }
 
@@ -173,13 +185,12 @@ namespace {
 
 std::vector<std::string> dead_rings(bool killed) {
   std::vector<std::string> rings;
-  for (const fs::path& folder : files_in(rings_directory())) {
+  for (const fs::path folder : ring_folders()) {
     const auto nodes = known_nodes(folder);
     const auto is_killed_one = [&](const KnownNode& node) { return is_killed(folder, node.id); };
     if (nodes.empty() || !held_nodes(folder).empty()) continue;
     if (std::any_of(nodes.begin(), nodes.end(), is_killed_one) == killed) rings.push_back(folder.filename());
   }
-  std::sort(rings.begin(), rings.end());
   return rings;
 }
 
@@ -188,6 +199,17 @@ std::vector<std::string> dead_rings(bool killed) {
 std::vector<std::string> killed_rings() { return dead_rings(true); }
 
 std::vector<std::string> left_rings() { return dead_rings(false); }
+
+std::vector<std::string> unreadable_files(const std::string& folder) {
+  std::vector<std::string> problems;
+  for (const fs::path& file : files_in(folder)) {
+    if (!is_read(file)) continue;
+    const std::string problem = process::why_not_regular(file);
+    if (!problem.empty()) problems.push_back(problem + ": it tells nothing; remove it");
+  }
+  std::sort(problems.begin(), problems.end());
+  return problems;
+}
 
 std::string held_up_lock(const std::string& folder) {
   for (const fs::path& file : files_in(folder)) {

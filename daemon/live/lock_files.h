@@ -62,6 +62,12 @@ struct KnownNode {
 /// Those that have a lock file, by id: what can be told of a ring of which no daemon answers.
 std::vector<KnownNode> known_nodes(const std::string& folder);
 
+/// What is wrong with those of a ring's folder that are read and are no regular files, such as a FIFO by the name of a
+/// lock file: they count as not there. Sorted.
+std::vector<std::string> unreadable_files(const std::string& folder);
+/// The folders of this user's rings, sorted; of some perhaps no daemon lives.
+std::vector<std::string> ring_folders();
+
 /// Path of the lock of a `ringctl up` that is starting the ring, or a host's part of it; empty: none is.
 std::string held_up_lock(const std::string& folder);
 

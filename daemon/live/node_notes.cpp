@@ -7,8 +7,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
+#include <sstream>
 
+#include "process/regular_file.h"
 #include "process/unique_fd.h"
 
 namespace limb_ring::live {
@@ -47,7 +48,7 @@ std::string write_note(const std::string& folder, wire::NodeId node, const std::
 void remove_note(const std::string& folder, wire::NodeId node) { std::remove(fault_file(folder, node).c_str()); }
 
 std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node) {
-  std::ifstream file(fault_file(folder, node));
+  std::istringstream file(process::text_of_regular(fault_file(folder, node)));
   std::int64_t since = 0;
   NodeNote note;
   if (!(file >> since) || !std::getline(file >> std::ws, note.words)) return std::nullopt;
@@ -61,7 +62,8 @@ std::string write_killed(const std::string& folder, wire::NodeId node, pid_t dae
 
 bool was_killed(const std::string& folder, wire::NodeId node, pid_t daemon) {
   pid_t killed = 0;
-  return std::ifstream(killed_file(folder, node)) >> killed && killed == daemon;
+  std::istringstream file(process::text_of_regular(killed_file(folder, node)));
+  return file >> killed && killed == daemon;
 }
 
 }  // namespace limb_ring::live

@@ -5,15 +5,19 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
+#include <sstream>
+#include <stdexcept>
 
 #include "process/process_state.h"
+#include "process/regular_file.h"
 #include "process/throw_errno.h"
 
 namespace limb_ring::process {
 namespace {
 
 UniqueFd opened(const std::string& path) {
+  const std::string problem = why_not_regular(path);
+  if (!problem.empty()) throw std::runtime_error(problem + ": it cannot be locked; remove it");
   UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file.valid()) throw_errno("cannot open " + path);
   return file;
@@ -59,7 +63,7 @@ void LockFile::remove() const {
 
 std::string lock_holder(const std::string& path) {
   pid_t pid = 0;
-  std::ifstream(path) >> pid;
+  std::istringstream(text_of_regular(path)) >> pid;
   if (pid <= 0) return "another process";
   const std::string program = program_of(pid);
   const std::string text = "pid " + std::to_string(pid);

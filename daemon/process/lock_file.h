@@ -13,7 +13,7 @@ namespace limb_ring::process {
 class LockFile {
  public:
   /// @return nothing where another process has it
-  /// @throw std::system_error naming the file and what is wrong with it
+  /// @throw std::runtime_error naming the file and what is wrong with it; std::system_error where the system says so
   static std::optional<LockFile> take(const std::string& path);
 
   /// Makes this its text. @throw std::system_error

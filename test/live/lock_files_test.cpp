@@ -16,10 +16,12 @@
 #include "process/lock_file.h"
 #include "support/node_literal.h"
 #include "support/own_folder.h"
+#include "support/thrown.h"
 
 namespace limb_ring::live {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -41,6 +43,31 @@ TEST_F(RingFolder, AnUpThatStartsTheRingHoldsItsLock) {
   EXPECT_EQ(held_up_lock(ring), "");
   const auto up = process::LockFile::take(ring + "/up-waist.lock");
   EXPECT_EQ(held_up_lock(ring), ring + "/up-waist.lock");
+}
+
+TEST_F(RingFolder, AFifoOrAFolderInTheirPlaceTellsNothingAndKeepsNobodyWaiting) {
+  for (const char* name : {"3.lock", "3.fault", "3.killed", "up.lock"})
+    ASSERT_EQ(::mkfifo((ring + '/' + name).c_str(), 0600), 0);
+  ASSERT_EQ(::mkdir((ring + "/4.lock").c_str(), 0700), 0);
+  for (const std::uint8_t node : {3, 4}) {
+    EXPECT_FALSE(holder_of(ring, node).held);
+    EXPECT_EQ(holder_of(ring, node).pid, -1);
+  }
+  EXPECT_FALSE(note_of(ring, 3_id));
+  EXPECT_FALSE(was_killed(ring, 3_id, 4711));
+  EXPECT_THAT(held_nodes(ring), IsEmpty());
+  EXPECT_EQ(held_up_lock(ring), "");
+  EXPECT_EQ(process::lock_holder(ring + "/3.lock"), "another process");
+  EXPECT_THAT(unreadable_files(ring), SizeIs(5));
+  EXPECT_THAT(unreadable_files(ring),
+              Contains(ring + "/3.lock is a FIFO, not a regular file: it tells nothing; remove it"));
+  EXPECT_THAT(unreadable_files(ring), Contains(HasSubstr("4.lock is a folder, not a regular file")));
+}
+
+TEST_F(RingFolder, WhatIsNoRegularFileIsNotLocked) {
+  ASSERT_EQ(::mkfifo((ring + "/7.lock").c_str(), 0600), 0);
+  EXPECT_THAT(test::thrown<std::runtime_error>([&] { lock_of(7); }),
+              HasSubstr("7.lock is a FIFO, not a regular file: it cannot be locked; remove it"));
 }
 
 TEST_F(RingFolder, HeldNodesAreThoseWhoseHolderLives) {

@@ -122,6 +122,14 @@ class Dump(Looking):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertRegex(done.stderr.splitlines()[-2], r'^ringctl: [1-9]\d* packets shown of ')
 
+    def test_of_a_fifo_says_what_it_waits_for_and_ends_with_ctrl_c(self):
+        fifo = os.path.join(self.folder, 'fifo')
+        os.mkfifo(fifo)
+        dump = self.start('dump', [program('ringctl'), 'dump', '-r', fifo])
+        self.wait('it says so', lambda: fifo + ' is a FIFO: waiting for' in self.log_of(dump))
+        dump.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(dump), -signal.SIGINT)
+
     def test_wrong_arguments_and_files_are_named(self):
         self.start_ring(plain_nodes(2))
         bad = os.path.join(self.folder, 'bad.pcapng')

@@ -69,6 +69,19 @@ class Folder(RingTest):
                 self.assert_cannot_run(self.socket_of(0, kind))
                 self.assertTrue(os.path.isfile(self.socket_of(0, kind)))
 
+    def test_a_fifo_among_its_files_is_named_and_keeps_nobody_waiting(self):
+        self.start_ring(plain_nodes(2))
+        fifos = [os.path.join(self.ring_folder(), name) for name in ('1.fault', '9.lock')]
+        for fifo in fifos:
+            os.mkfifo(fifo)
+        for command in (['list'], ['status'], ['fault', 'list'], ['down']):
+            with self.subTest(command=command):
+                done = self.ctl(*command)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                for fifo in fifos:
+                    self.assertIn('%s is a FIFO, not a regular file' % fifo, done.stderr)
+        self.assertFalse(os.path.exists(self.ring_folder()))
+
     def test_is_not_filled_by_a_cpu_that_writes_all_the_time(self):
         # In one write: what came behind a new beginning would stay in the log.
         in_one_write = 'dd bs=6000000 iflag=fullblock status=none'

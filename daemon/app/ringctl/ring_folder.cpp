@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iostream>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -91,6 +92,10 @@ std::string why_unreadable(const std::string& folder) {
   if (error && error != std::errc::no_such_file_or_directory) return ": " + error.message();
   const std::string problem = why_not_private(folder);
   return problem.empty() ? "" : ": " + problem;
+}
+
+void tell_unreadable(const std::string& folder) {
+  for (const std::string& problem : live::unreadable_files(folder)) std::cerr << "ringctl: " << problem << std::endl;
 }
 
 }  // namespace limb_ring::ringctl

@@ -42,4 +42,8 @@ void tidy_folder(const std::string& ring);
 /// or is not there.
 std::string why_unreadable(const std::string& folder);
 
+/// Says on standard error what is wrong with files of a ring's folder that are no regular files
+/// (live::unreadable_files).
+void tell_unreadable(const std::string& folder);
+
 }  // namespace limb_ring::ringctl

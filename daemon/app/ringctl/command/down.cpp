@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
@@ -68,6 +69,7 @@ void remove_what_is_left(const std::string& ring, const std::string& folder) {
 
 int run(const std::string& ring) {
   const std::string folder = ring_directory(ring);
+  tell_unreadable(folder);
   if (live::held_nodes(folder).empty()) {
     const std::string unreadable = why_unreadable(folder);
     if (!unreadable.empty()) throw NoRing("ring " + ring + ": " + folder + unreadable);
@@ -91,6 +93,8 @@ void tidy_those_left() {
     try {
       remove_what_is_left(ring, folder);
     } catch (const NotDone&) {  // somebody is just starting it
+    } catch (const std::runtime_error& problem) {
+      std::cerr << "ringctl: " << problem.what() << std::endl;
     }
   }
 }
@@ -105,7 +109,7 @@ int run_all() {
     try {
       run(ring);
     } catch (const NoRing&) {  // somebody else has ended it meanwhile
-    } catch (const NotDone& problem) {
+    } catch (const std::runtime_error& problem) {
       left += (left.empty() ? "" : "; ") + std::string(problem.what());
     }
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <ctime>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -95,10 +96,17 @@ void show_records(capture::PcapngReader& reader, const DumpOptions& options, cap
   }
 }
 
+void tell_fifo(const std::string& file) {
+  std::error_code unknown;
+  if (std::filesystem::is_fifo(file, unknown))
+    std::cerr << "ringctl: " << file << " is a FIFO: waiting for what somebody writes into it" << std::endl;
+}
+
 int dump_file(const DumpOptions& options) {
   if (!options.nodes.empty()) throw UsageError("-r reads a file, which has its own nodes: leave NODE out");
   if (app::is_same_file(options.read, options.write))
     throw UsageError("-r and -w name the same file: " + options.write + " would be lost; write to another one");
+  tell_fifo(options.read);
   capture::CaptureFile file(options.read);
   capture::PcapngReader& reader = file.reader();
   const auto sink = sink_of(options, reader.names());

@@ -14,10 +14,12 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/ring_folder.h"
 #include "app/ringctl/ring_wait.h"
 #include "cli/values.h"
 #include "config/names.h"
 #include "fault/parse.h"
+#include "limb_ring/ring_directory.h"
 #include "live/live_faults.h"
 #include "process/signal_wait.h"
 
@@ -129,6 +131,7 @@ int begin(const Context& context, const fault::Word& word, const FaultOptions& o
 
 int list(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
+  tell_unreadable(ring_directory(ring.ring()));
   const auto faults = LiveFaults(ring.ring(), nodes_by_id(ring)).list();
   json all = json::array();
   for (const live::LiveFault& fault : faults) all.push_back(to_json(fault));

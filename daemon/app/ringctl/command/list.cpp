@@ -9,6 +9,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/ring_clock.h"
+#include "app/ringctl/ring_folder.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 
@@ -42,6 +43,7 @@ std::string words_of(const nlohmann::json& hosts) {
 }
 
 int run(bool json) {
+  for (const std::string& folder : live::ring_folders()) tell_unreadable(folder);
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   std::vector<std::vector<std::string>> rows{{"ring", "nodes", "host", "clock", "at s", "pace", "late s", "lost s"}};
   for (const std::string& ring : live::held_rings()) {

@@ -11,10 +11,12 @@
 #include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_clock.h"
+#include "app/ringctl/ring_folder.h"
 #include "app/ringctl/screen.h"
 #include "app/ringctl/status_rows.h"
 #include "app/ringctl/status_table.h"
 #include "app/ringctl/supervision.h"
+#include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
 
@@ -55,6 +57,7 @@ RingAccess running_or_frozen(const std::string& ring) {
 
 int run(const Context& context, const StatusOptions& options) {
   const RingAccess ring = running_or_frozen(choose_ring(options.ring, context.ring));
+  tell_unreadable(ring_directory(ring.ring()));
   const auto rows = status_rows(ring);
   if (options.json)
     print_json(ring, rows);

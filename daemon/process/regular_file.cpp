@@ -1,0 +1,47 @@
+#include "process/regular_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+
+namespace limb_ring::process {
+namespace {
+
+const char* kind_in(mode_t mode) {
+  if (S_ISFIFO(mode)) return "a FIFO";
+  if (S_ISDIR(mode)) return "a folder";
+  if (S_ISLNK(mode)) return "a symbolic link";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+}  // namespace
+
+UniqueFd open_regular(const std::string& path) {
+  UniqueFd file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW));
+  struct stat found {};
+  if (!file.valid() || (::fstat(file.get(), &found) == 0 && S_ISREG(found.st_mode))) return file;
+  file.reset();
+  errno = EINVAL;
+  return file;
+}
+
+std::string why_not_regular(const std::string& path) {
+  struct stat found {};
+  if (::lstat(path.c_str(), &found) != 0 || S_ISREG(found.st_mode)) return "";
+  return path + " is " + kind_in(found.st_mode) + ", not a regular file";
+}
+
+std::string text_of_regular(const std::string& path) {
+  const UniqueFd file = open_regular(path);
+  std::string text;
+  std::array<char, 4096> part{};
+  for (ssize_t got = 0; file.valid() && (got = ::read(file.get(), part.data(), part.size())) > 0;)
+    text.append(part.data(), static_cast<std::size_t>(got));
+  return text;
+}
+
+}  // namespace limb_ring::process
