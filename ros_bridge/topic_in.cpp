@@ -29,7 +29,8 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
       counters_(counters),
       sender_(
           number, topic,
-          [&port](const Outgoing& packet, RingPort::OnResult done) { port.send(packet, std::move(done)); }, counters),
+          [&port](const Outgoing& packet, RingPort::OnResult done) { port.send(packet, std::move(done)); },
+          [this](std::size_t bytes) { warn_too_large(bytes); }, counters),
       nodes_(nodes) {
   port_.every(kAnnouncePeriod, [this] { sender_.announce(); });
   options_.initByFullCallbackType<const Event&>(topic.input, topic.queue,
@@ -38,6 +39,15 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
   options_.transport_hints = ros::TransportHints().tcpNoDelay();
   subscriber_ = nodes_.subscribe(options_);
   full_name_ = subscriber_.getTopic();
+}
+
+void TopicIn::warn_too_large(std::size_t bytes) {
+  const auto held_back = too_large_.allow();
+  if (!held_back) return;
+  ROS_WARN(
+      "topic '%s': a message of %zu bytes was not sent, the largest that crosses the ring has %zu%s",
+      topic_.input.c_str(), bytes, TopicSender::kLargest,
+      *held_back == 0 ? "" : ("; nor were " + std::to_string(*held_back) + " more since the last such line").c_str());
 }
 
 void TopicIn::look(unsigned published) {

@@ -9,6 +9,7 @@
 
 #include "ros_bridge/direct_queue.h"
 #include "ros_bridge/publisher_check.h"
+#include "ros_bridge/throttle.h"
 #include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
@@ -36,12 +37,14 @@ class TopicIn {
   void on_message(const Event& event);
   void take_type(const payload::Announcement& type);
   void renew();
+  void warn_too_large(std::size_t bytes);
   void hand_over();
 
   config::TopicConfig topic_;
   RingPort& port_;
   Counters& counters_;
-  TopicSender sender_;  // ring thread only
+  TopicSender sender_;  // as the next, ring thread only
+  Throttle too_large_{std::chrono::seconds(10)};
   std::mutex mutex_;
   std::deque<TopicMessage> handed_in_;  // at most topic_.queue
   PublisherCheck check_;

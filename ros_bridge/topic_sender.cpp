@@ -8,10 +8,12 @@ namespace limb_ring::bridge {
 
 using payload::Fragment;
 
-TopicSender::TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, Counters& counters)
+TopicSender::TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, OnTooLarge on_too_large,
+                         Counters& counters)
     : fragmenter_(number),
       topic_(topic),
       send_(std::move(send)),
+      on_too_large_(std::move(on_too_large)),
       counters_(counters),
       prefix_("topic_" + topic.input + "_") {}
 
@@ -67,7 +69,7 @@ bool TopicSender::start_announcement() {
   announce_due_ = false;
   type_is_known_ = false;
   const auto bytes = payload::encode(*type_);
-  if (!bytes || !fragmenter_.start(Fragment::Kind::announcement, *bytes)) {
+  if (!bytes || !start(Fragment::Kind::announcement, *bytes)) {
     lose("dropped_type_too_large");
     waiting_.clear();
     return false;
@@ -83,14 +85,20 @@ bool TopicSender::start_message() {
     latched_.reset();
     latched_missing_ = false;
     if (type_->latching) latched_ = message;
-    if (fragmenter_.start(Fragment::Kind::data, std::move(message.bytes))) {
+    const std::size_t size = message.bytes.size();
+    if (start(Fragment::Kind::data, std::move(message.bytes))) {
       begin_flight(false);
       return true;
     }
     latched_.reset();
     lose("dropped_too_large");
+    on_too_large_(size);
   }
   return false;
+}
+
+bool TopicSender::start(Fragment::Kind kind, std::vector<std::uint8_t> bytes) {
+  return bytes.size() <= kLargest && fragmenter_.start(kind, std::move(bytes));
 }
 
 void TopicSender::begin_flight(bool announcement) {

@@ -10,6 +10,7 @@
 #include "config/ring_config.h"
 #include "limb_ring/payload/announcement.h"
 #include "limb_ring/payload/fragmenter.h"
+#include "limb_ring/payload/reassembler.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
 
@@ -39,10 +40,15 @@ inline bool is_same_type(const payload::Announcement& one, const payload::Announ
 class TopicSender {
  public:
   static constexpr unsigned kWindow = 4;
+  /// Bytes of a message, or of a type: what the other bridge puts together. Fragments could carry more.
+  static constexpr std::size_t kLargest = payload::Reassembler::Limits{}.message;
   using Send = std::function<void(const Outgoing&, RingPort::OnResult)>;
+  using OnTooLarge = std::function<void(std::size_t bytes)>;
 
   /// `number` is the topic's place in the configuration's list, the same at both ends.
-  TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, Counters& counters);
+  /// @param on_too_large is told of each message above kLargest; it is not sent, and counted
+  TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, OnTooLarge on_too_large,
+              Counters& counters);
 
   /// Queues a message; at `topic.queue` the oldest one waiting is dropped, and counted.
   void offer(TopicMessage message);
@@ -64,6 +70,7 @@ class TopicSender {
   bool takes_new_type();
   bool start_announcement();
   bool start_message();
+  bool start(payload::Fragment::Kind kind, std::vector<std::uint8_t> bytes);
   void begin_flight(bool announcement);
   void send_fragment();
   void on_result(std::uint64_t serial, const Result& result);
@@ -75,6 +82,7 @@ class TopicSender {
   payload::Fragmenter fragmenter_;
   config::TopicConfig topic_;
   Send send_;
+  OnTooLarge on_too_large_;
   Counters& counters_;
   std::string prefix_;
 

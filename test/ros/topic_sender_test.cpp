@@ -60,11 +60,12 @@ class Topic : public ::testing::Test {
   }
 
   Counters counters;
+  std::vector<std::size_t> too_large;
   std::deque<std::pair<Outgoing, RingPort::OnResult>> under_way;
   TopicSender sender{
       kNumber, frames(),
       [this](const Outgoing& packet, RingPort::OnResult done) { under_way.emplace_back(packet, std::move(done)); },
-      counters};
+      [this](std::size_t bytes) { too_large.push_back(bytes); }, counters};
   payload::Reassembler far_side;
   std::vector<std::vector<std::uint8_t>> received;
 };
@@ -90,6 +91,22 @@ TEST_F(Topic, CrossesByteForByteInManyFragments) {
   sender.offer(large);
   answer_all();
   EXPECT_THAT(received, ElementsAre(large.bytes));
+}
+
+TEST_F(Topic, CrossesUpToTheLargestSizeAndTellsOfWhatIsLarger) {
+  const std::size_t largest = TopicSender::kLargest;
+  sender.offer(message(largest, 'a'));
+  answer_all();
+  EXPECT_EQ(counted("sent"), 1u);
+  EXPECT_THAT(first_bytes(), ElementsAre('a'));
+  sender.offer(message(largest + 1, 'b'));
+  EXPECT_TRUE(under_way.empty()) << "nobody would put it together";
+  EXPECT_THAT(too_large, ElementsAre(largest + 1));
+  EXPECT_EQ(counted("dropped_too_large"), 1u);
+  EXPECT_EQ(counted("sent"), 1u);
+  sender.offer(message(1, 'c'));
+  answer_all();
+  EXPECT_THAT(first_bytes(), ElementsAre('a', 'c'));
 }
 
 TEST_F(Topic, NeverHasMoreThanItsWindowUnderWay) {
