@@ -28,17 +28,18 @@ HostServer::HostServer(boost::asio::io_context& io, HostOptions options, HostHan
 HostServer::~HostServer() { close(); }
 
 void HostServer::accept() {
-  listener_.acceptor().async_accept([this, alive = alive_](boost::system::error_code error, Listener::Socket socket) {
-    if (error == boost::asio::error::operation_aborted || !*alive) return;
-    if (error) return accept_again_later();
-    process::UniqueFd client(socket.release(error));
-    if (frozen_) {
-      came_while_frozen_ = std::move(client);
-      return;
-    }
-    admit(std::move(client));
-    accept();
-  });
+  listener_.acceptor().async_accept(
+      [this, alive = alive_](boost::system::error_code error, event_loop::UnixSocket socket) {
+        if (error == boost::asio::error::operation_aborted || !*alive) return;
+        if (error) return accept_again_later();
+        process::UniqueFd client(socket.release(error));
+        if (frozen_) {
+          came_while_frozen_ = std::move(client);
+          return;
+        }
+        admit(std::move(client));
+        accept();
+      });
 }
 
 /// Too many open files, most likely: trying at once would only burn the processor.

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/local/stream_protocol.hpp>
 #include <cstdint>
 #include <string>
+
+#include "event_loop/unix_listener.h"
 
 namespace limb_ring::host {
 
@@ -11,16 +12,13 @@ namespace limb_ring::host {
 /// end. What a dead daemon left there is replaced: the caller holds the node's lock.
 class Listener {
  public:
-  using Acceptor = boost::asio::local::stream_protocol::acceptor;
-  using Socket = boost::asio::local::stream_protocol::socket;
-
   /// @throw std::runtime_error naming the path and what is wrong with it
   Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id, const std::string& name);
   ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  Acceptor& acceptor() { return acceptor_; }
+  event_loop::UnixAcceptor& acceptor() { return socket_.acceptor(); }
   /// The socket is where it was made, and the name with it.
   bool is_in_place() const;
   /// Makes it again, in a folder that is there. @throw std::runtime_error
@@ -28,12 +26,10 @@ class Listener {
   void close();
 
  private:
-  void listen();
   void link_name() const;
 
-  std::string path_;
-  std::string link_;
-  Acceptor acceptor_;
+  event_loop::UnixListener socket_;
+  std::string link_;  ///< empty: there is none
 };
 
 }  // namespace limb_ring::host

@@ -5,7 +5,7 @@
 namespace limb_ring::link {
 
 void PendingConnection::wait() {
-  socket_.async_wait(UnixSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
+  socket_.async_wait(event_loop::UnixSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
     if (self->owner_ == nullptr) return;
     self->read();
     if (self->owner_ != nullptr) self->wait();

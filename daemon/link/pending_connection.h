@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "event_loop/unix_listener.h"
 #include "link/endpoint.h"
 #include "link/link_header.h"
 #include "link/unix_socket.h"
@@ -24,7 +25,7 @@ class PendingConnection : public std::enable_shared_from_this<PendingConnection>
     ~Owner() = default;
   };
 
-  PendingConnection(UnixSocket socket, Owner& owner, Time now)
+  PendingConnection(event_loop::UnixSocket socket, Owner& owner, Time now)
       : socket_(std::move(socket)), owner_(&owner), since_(now) {}
 
   void start() { wait(); }
@@ -45,7 +46,7 @@ class PendingConnection : public std::enable_shared_from_this<PendingConnection>
   /// A whole header is there. @return false: nothing more is wanted of this connection
   bool take_header();
 
-  UnixSocket socket_;
+  event_loop::UnixSocket socket_;
   Owner* owner_;
   Time since_;
   std::array<std::uint8_t, kConnectSize> bytes_{};

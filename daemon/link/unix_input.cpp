@@ -1,12 +1,9 @@
 #include "link/unix_input.h"
 
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <system_error>
-
-#include "process/is_socket.h"
 
 namespace limb_ring::link {
 namespace {
@@ -23,7 +20,7 @@ UnixInput::UnixInput(boost::asio::io_context& io, const InputSettings& settings,
       report_(report),
       upstream_(upstream),
       admission_(settings.self, settings.order, settings.names),
-      acceptor_(listen_unix(io, settings.endpoint.path)),
+      listener_(io, settings.endpoint.path),
       silence_(settings.timing),
       ticker_(io, settings.timing.idle, [this](Time now) { tick(now); }) {}
 
@@ -31,19 +28,17 @@ void UnixInput::close() {
   if (closed_) return;
   closed_ = true;
   ticker_.stop();
-  boost::system::error_code ignored;
-  acceptor_.close(ignored);
-  ::unlink(settings_.endpoint.path.c_str());
+  listener_.close();
   for (const auto& connection : pending_) connection->close();
   pending_.clear();
   if (stream_) stream_->close();
   stream_.reset();
 }
 
-bool UnixInput::is_in_place() const { return process::is_socket(settings_.endpoint.path); }
+bool UnixInput::is_in_place() const { return listener_.is_in_place(); }
 
 /// The accept under way ends with the old socket; the next tick begins another.
-void UnixInput::listen_again() { acceptor_ = listen_unix(io_, settings_.endpoint.path); }
+void UnixInput::listen_again() { listener_.listen_again(); }
 
 std::optional<std::uint8_t> UnixInput::from() const {
   if (!stream_) return {};
@@ -52,16 +47,17 @@ std::optional<std::uint8_t> UnixInput::from() const {
 
 void UnixInput::accept() {
   accepting_ = true;
-  acceptor_.async_accept([self = shared_from_this()](const boost::system::error_code& error, UnixSocket socket) {
-    if (self->closed_) return;
-    self->accepting_ = false;  // after an error (no descriptors left) the tick goes on
-    if (error) return;
-    self->welcome(std::move(socket));
-    self->accept();
-  });
+  listener_.acceptor().async_accept(
+      [self = shared_from_this()](const boost::system::error_code& error, event_loop::UnixSocket socket) {
+        if (self->closed_) return;
+        self->accepting_ = false;  // after an error (no descriptors left) the tick goes on
+        if (error) return;
+        self->welcome(std::move(socket));
+        self->accept();
+      });
 }
 
-void UnixInput::welcome(UnixSocket socket) {
+void UnixInput::welcome(event_loop::UnixSocket socket) {
   if (!process::is_of_our_user(socket.native_handle())) {
     return report_.unknown_peer("a process of another user was turned away");
   }

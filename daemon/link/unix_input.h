@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "event_loop/ticker.h"
+#include "event_loop/unix_listener.h"
 #include "link/admission.h"
 #include "link/memory_stream.h"
 #include "link/pending_connection.h"
@@ -32,7 +33,7 @@ class UnixInput final : public InputLine,
 
  private:
   void accept();
-  void welcome(UnixSocket socket);
+  void welcome(event_loop::UnixSocket socket);
   void on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect,
                   const Agreement& theirs) override;
   void on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) override;
@@ -54,7 +55,7 @@ class UnixInput final : public InputLine,
   InputReport& report_;
   Upstream& upstream_;
   Admission admission_;
-  UnixAcceptor acceptor_;
+  event_loop::UnixListener listener_;
   std::vector<std::shared_ptr<PendingConnection>> pending_;
   std::shared_ptr<UnixStream> stream_;
   std::uint8_t from_ = 0;

@@ -2,55 +2,11 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <stdexcept>
-#include <system_error>
 
 namespace limb_ring::link {
-namespace {
-
-constexpr int kBacklog = 128;
-
-std::runtime_error failure(const std::string& path, const std::string& what, int error) {
-  return std::runtime_error("cannot listen at " + path + ": " + what + " (" + std::generic_category().message(error) +
-                            ")");
-}
-
-void remove_leftover(const std::string& path) {
-  struct stat found;
-  if (::lstat(path.c_str(), &found) != 0) return;
-  if (!S_ISSOCK(found.st_mode)) {
-    throw std::runtime_error("cannot listen at " + path + ": a file that is no socket is there; remove it");
-  }
-  if (::unlink(path.c_str()) != 0) throw failure(path, "cannot remove the old socket", errno);
-}
-
-bool fits(const std::string& path) { return !path.empty() && path.size() < sizeof(sockaddr_un::sun_path); }
-
-}  // namespace
-
-UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path) {
-  if (!fits(path)) {
-    throw std::runtime_error("cannot listen at '" + path +
-                             "': a socket's path has 1 to 107 bytes; choose a shorter folder");
-  }
-  remove_leftover(path);
-  UnixAcceptor acceptor(io);
-  boost::system::error_code error;
-  acceptor.open({}, error);
-  if (!error) acceptor.bind(path, error);
-  if (!error && ::chmod(path.c_str(), S_IRUSR | S_IWUSR) != 0) {
-    throw failure(path, "cannot set its mode to 0600", errno);
-  }
-  if (!error) acceptor.listen(kBacklog, error);
-  if (error) throw failure(path, "does the folder exist, and is it ours?", error.value());
-  return acceptor;
-}
 
 process::UniqueFd connect_unix(const std::string& path) {
   process::UniqueFd line = process::connect_unix(path);

@@ -2,10 +2,6 @@
 
 #include <sys/types.h>
 
-#include <boost/asio/basic_socket_acceptor.hpp>
-#include <boost/asio/basic_stream_socket.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/local/stream_protocol.hpp>
 #include <string>
 #include <vector>
 
@@ -17,19 +13,9 @@ namespace limb_ring::link {
 
 using process::would_block;
 
-// With the event loop's own executor type: a type-erased executor costs time at every packet.
-using LoopExecutor = boost::asio::io_context::executor_type;
-using UnixSocket = boost::asio::basic_stream_socket<boost::asio::local::stream_protocol, LoopExecutor>;
-using UnixAcceptor = boost::asio::basic_socket_acceptor<boost::asio::local::stream_protocol, LoopExecutor>;
-
 /// What a line's socket holds at most, as far as the kernel lets us: more than a ring of 254
 /// full packets.
 constexpr int kSocketBuffer = 1 << 20;
-
-/// Listens at `path`, readable by this user alone. A socket left over there is replaced: the
-/// caller holds the node's lock, so its owner is dead.
-/// @throw std::runtime_error naming the path, what is wrong and what would be right
-UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path);
 
 /// Connects without waiting. @return an invalid one if nobody of our user listens, or the queue is full
 process::UniqueFd connect_unix(const std::string& path);

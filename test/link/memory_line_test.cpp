@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "event_loop/unix_listener.h"
 #include "link/link_rig.h"
 #include "link/memory_queue.h"
 #include "link/unix_socket.h"
@@ -164,17 +165,17 @@ TEST_F(MemoryInputFromHand, SurvivesAPeerThatOverwritesTheWholeMemory) {
 struct MemoryOutputToHand : testing::Test {
   LinkRig rig{2, Endpoint::Transport::shm};
   boost::asio::io_context io;
-  UnixAcceptor door{listen_unix(io, rig.endpoint(1).path)};
+  event_loop::UnixListener door{io, rig.endpoint(1).path};
   process::UniqueFd line;
   std::vector<process::UniqueFd> offered;
   std::optional<QueueMemory> memory;
 
   void SetUp() override {
-    door.non_blocking(true);
+    door.acceptor().non_blocking(true);
     rig.start_output(0);
     std::array<std::uint8_t, kConnectSize> bytes;
     ASSERT_TRUE(rig.until([&] {
-      if (!line.valid()) line = process::UniqueFd(::accept(door.native_handle(), nullptr, nullptr));
+      if (!line.valid()) line = process::UniqueFd(::accept(door.acceptor().native_handle(), nullptr, nullptr));
       return line.valid() && receive_now(line.get(), bytes.data(), bytes.size(), offered) > 0;
     }));
     ASSERT_EQ(parse_header({bytes.data(), bytes.size()})->type, LinkHeaderType::connect_memory);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "event_loop/unix_listener.h"
 #include "link/link_rig.h"
 #include "link/unix_socket.h"
 
@@ -100,10 +101,10 @@ TEST(Output, DoesNotGoBeyondALivingNodeWhoseInputAnotherOneHolds) {
 /// What node 0 says of a neighbour that answers its question with these bytes.
 std::vector<std::string> said_of(const std::vector<std::uint8_t>& answer) {
   LinkRig rig(2, Endpoint::Transport::unix_stream);
-  UnixAcceptor door = listen_unix(rig.node(1).io, rig.endpoint(1).path);
-  std::vector<UnixSocket> pending;
+  event_loop::UnixListener door(rig.node(1).io, rig.endpoint(1).path);
+  std::vector<event_loop::UnixSocket> pending;
   std::function<void()> open = [&] {
-    door.async_accept([&](const boost::system::error_code& error, UnixSocket socket) {
+    door.acceptor().async_accept([&](const boost::system::error_code& error, event_loop::UnixSocket socket) {
       if (error) return;
       send_now(socket.native_handle(), {answer.data(), answer.size()});
       pending.push_back(std::move(socket));

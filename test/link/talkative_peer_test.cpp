@@ -5,6 +5,7 @@
 
 #include <boost/asio/post.hpp>
 
+#include "event_loop/unix_listener.h"
 #include "link/link_rig.h"
 #include "link/unix_socket.h"
 
@@ -33,10 +34,10 @@ int unread(int socket) {
 TEST(TalkativePeer, DoesNotKeepTheEventLoopFromItsOtherWork) {
   LinkRig rig(2, Endpoint::Transport::unix_stream);
   boost::asio::io_context elsewhere;
-  UnixAcceptor door = listen_unix(elsewhere, rig.endpoint(1).path);
+  event_loop::UnixListener door(elsewhere, rig.endpoint(1).path);
   rig.start_output(0);
-  UnixSocket peer(elsewhere);
-  door.accept(peer);
+  event_loop::UnixSocket peer(elsewhere);
+  door.acceptor().accept(peer);
   say_much(peer.native_handle());
   const int said = unread(peer.native_handle());
   for (int i = 0; i < 3; ++i) {
