@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <optional>
 #include <sstream>
+#include <system_error>
 
 #include "fault/name.h"
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
 #include "process/process_state.h"
 #include "process/regular_file.h"
+#include "process/throw_errno.h"
 #include "process/unique_fd.h"
 
 namespace limb_ring::live {
@@ -21,6 +25,9 @@ namespace limb_ring::live {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Of this process or of the system: it says nothing of what could not be opened for it.
+bool is_shortage(int error) { return error == EMFILE || error == ENFILE || error == ENOMEM; }
 
 /// What others could have put there is nothing to go by: it would choose which processes we signal, which files we
 /// remove, and which programs we start.
@@ -30,6 +37,7 @@ std::vector<fs::path> files_in(const std::string& folder) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     files.push_back(it->path());
+  if (is_shortage(error.value())) throw std::system_error(error, "cannot look into " + folder);
   return files;
 }
 
@@ -44,12 +52,25 @@ std::optional<std::uint8_t> node_of(const fs::path& file) {
 
 /// The kernel frees a lock when its holder ends, so a lock that cannot be had has a living holder. This asks for the
 /// lock and does not take it: a daemon that starts at this moment gets it (host/node_lock.cpp).
-bool is_held(const fs::path& lock) {
-  const process::UniqueFd file = process::open_regular(lock);
+bool is_held(const process::UniqueFd& file) {
   struct flock whole_file {};
   whole_file.l_type = F_WRLCK;
   whole_file.l_whence = SEEK_SET;
-  return file.valid() && ::fcntl(file.get(), F_OFD_GETLK, &whole_file) == 0 && whole_file.l_type != F_UNLCK;
+  return ::fcntl(file.get(), F_OFD_GETLK, &whole_file) == 0 && whole_file.l_type != F_UNLCK;
+}
+
+/// @throw std::system_error where that cannot be known
+bool is_held(const fs::path& lock) {
+  const process::UniqueFd file = process::open_regular(lock);
+  if (!file.valid() && is_shortage(errno)) process::throw_errno("cannot look at " + lock.string());
+  return file.valid() && is_held(file);
+}
+
+/// Why a lock file that could not be opened does not tell who holds it; empty where there is none.
+std::string why_untold(const fs::path& lock, int error) {
+  const std::string other = process::why_not_regular(lock);
+  if (!other.empty() || error == ENOENT) return other;
+  return "cannot look at " + lock.string() + ": " + std::strerror(error);
 }
 
 /// The number that is the whole of this line; -1 where something else has been written into the file ("10:16:33 ...").
@@ -117,17 +138,22 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   const fs::path lock = fs::path(folder) / (std::to_string(node) + ".lock");
   Holder holder;
   if (!why_not_private(folder).empty()) return holder;
-  std::istringstream file(process::text_of_regular(lock));
+  const process::UniqueFd file = process::open_regular(lock);
+  if (!file.valid()) {
+    holder.problem = why_untold(lock, errno);
+    return holder;
+  }
+  std::istringstream text(process::text_of(file));
   std::string pid;
-  std::getline(file, pid);
-  holder.arguments = rest_of(file);
+  std::getline(text, pid);
+  holder.arguments = rest_of(text);
   for (std::string* first : {&holder.program, &holder.folder}) {
     if (holder.arguments.empty()) break;
     *first = holder.arguments.front();
     holder.arguments.erase(holder.arguments.begin());
   }
   holder.pid = pid_in(pid);
-  const bool lives = is_held(lock);
+  const bool lives = is_held(file);
   // Some other process has that pid now: it must not be signalled.
   if (lives && !may_run(holder.pid, holder.program)) holder.pid = -1;
   holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);

@@ -20,6 +20,7 @@ struct Holder {
   std::vector<std::string> arguments;  ///< without the program's name
   bool held = false;                   ///< it lives, perhaps stopped; on a virtual ring: and the node is not killed
   bool frozen = false;                 ///< held, and stopped: answers nobody
+  std::string problem;                 ///< why nothing is known of it; empty where its lock file tells, or is not there
   bool on_virtual_ring = false;        ///< one process lives that has all nodes of the ring, this one perhaps killed
 };
 
@@ -37,6 +38,7 @@ struct HeldNode {
 };
 
 /// Nodes of a ring's folder that are held right now. No daemon: an empty list.
+/// @throw std::system_error where that cannot be known, as where this process has no descriptors left
 std::vector<HeldNode> held_nodes(const std::string& folder);
 
 /// Rings of this user of which a node is held right now, by name, sorted; also where no daemon answers.

@@ -35,13 +35,17 @@ std::string why_not_regular(const std::string& path) {
   return path + " is " + kind_in(found.st_mode) + ", not a regular file";
 }
 
-std::string text_of_regular(const std::string& path) {
-  const UniqueFd file = open_regular(path);
+std::string text_of(const UniqueFd& file) {
   std::string text;
   std::array<char, 4096> part{};
-  for (ssize_t got = 0; file.valid() && (got = ::read(file.get(), part.data(), part.size())) > 0;)
+  for (ssize_t got = 0; (got = ::pread(file.get(), part.data(), part.size(), static_cast<off_t>(text.size()))) > 0;)
     text.append(part.data(), static_cast<std::size_t>(got));
   return text;
+}
+
+std::string text_of_regular(const std::string& path) {
+  const UniqueFd file = open_regular(path);
+  return file.valid() ? text_of(file) : "";
 }
 
 }  // namespace limb_ring::process

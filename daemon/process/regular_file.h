@@ -14,7 +14,9 @@ UniqueFd open_regular(const std::string& path);
 /// "/run/robot/3.lock is a FIFO, not a regular file"; empty where it is one, or nothing is there.
 std::string why_not_regular(const std::string& path);
 
-/// All of its text; empty where open_regular() opens none.
+/// The text of an open file, from its beginning.
+std::string text_of(const UniqueFd& file);
+/// The same of one by its path; empty where open_regular() opens none.
 std::string text_of_regular(const std::string& path);
 
 }  // namespace limb_ring::process

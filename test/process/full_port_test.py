@@ -75,6 +75,20 @@ class FullPort(RingTest):
             self.assertRegex(done.stderr, 'ring %s runs, but no daemon of it answers: .* has 2 clients already'
                              % self.ring)
 
+    def test_a_node_that_cannot_be_asked_is_not_shown_as_down(self):
+        self.start_ring(plain_nodes(2), limits={'clients': 2})
+        self.fill_kept_places(0)
+        status = self.ctl('--ring', self.ring, 'status')
+        self.assertEqual(status.returncode, 0, status.stderr)
+        self.assertRegex(status.stdout, 'node0 +unanswered')
+        self.assertRegex(status.stdout, r'no answer from node0: .*node 0 \(node0\) has 2 clients already')
+        self.assertIn('1 of 2 nodes up; no answer from 1 node', status.stdout)
+        wait = self.ctl('--ring', self.ring, 'wait', 'up', '--timeout', 0)
+        self.assertEqual(wait.returncode, 1)
+        self.assertIn('node 0 (node0): it has not answered: ', wait.stderr)
+        top = self.ctl('--ring', self.ring, 'top', '--once')
+        self.assertRegex(top.stdout, 'node0 +unanswered', top.stderr)
+
     def test_a_stop_goes_from_another_node(self):
         self.start_ring(plain_nodes(2), limits={'clients': 2})
         self.fill_kept_places(0)

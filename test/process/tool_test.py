@@ -2,6 +2,7 @@
 
 import os
 import re
+import resource
 import subprocess
 
 import ring_process
@@ -114,6 +115,19 @@ class Tools(RingTest):
         self.assertLessEqual({'pid', 'boots', 'state'}, set(row['cpu']))
         self.assertLessEqual({'p50', 'p99', 'max'}, set(row['round_trip_us']))
         self.assertGreater(row['counters']['relayed_data'], 0)
+
+    def test_without_descriptors_no_living_node_is_shown_as_down(self):
+        self.start_ring(plain_nodes(8))
+        unanswered = 0
+        for limit in range(4, 14):
+            def few_descriptors():
+                resource.setrlimit(resource.RLIMIT_NOFILE, (limit, limit))
+            status = self.ctl('status', preexec_fn=few_descriptors)
+            self.assertNotIn(' down ', status.stdout)
+            if status.returncode != 0 or 'unanswered' in status.stdout:
+                self.assertIn('Too many open files', status.stdout + status.stderr)
+                unanswered += 1
+        self.assertGreater(unanswered, 0)
 
     def test_a_ring_that_is_frozen_as_a_whole_is_shown_and_thawed(self):
         daemons = self.start_ring(plain_nodes(3))

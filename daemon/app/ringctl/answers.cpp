@@ -34,13 +34,13 @@ nlohmann::json checked(const HostPort& port, const std::string& text) {
   throw NotDone(problem);
 }
 
-std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request) {
-  if (live::is_frozen(ring_directory(ring), node.id)) return std::nullopt;  // it would let us wait
+Answer ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request) {
+  if (live::is_frozen(ring_directory(ring), node.id)) return {};  // it would let us wait
   try {
     HostPort port = connect_node(ring, std::to_string(node.id));
-    return checked(port, port.ask(request.dump(), kAnswerTime));
-  } catch (const std::exception&) {
-    return std::nullopt;
+    return {checked(port, port.reply(port.request(request.dump()), kAnswerTime)), ""};
+  } catch (const std::exception& problem) {
+    return {std::nullopt, problem.what()};
   }
 }
 
@@ -67,9 +67,9 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds t
   no_answer(port, timeout);
 }
 
-std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,
-                                                   const nlohmann::json& request) {
-  std::vector<std::optional<nlohmann::json>> answers(nodes.size());
+std::vector<Answer> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,
+                            const nlohmann::json& request) {
+  std::vector<Answer> answers(nodes.size());
   // A daemon that is stopped takes its whole time-out.
   process::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request); });
   return answers;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/ringctl/ring_access.h"
@@ -15,6 +16,12 @@ constexpr std::chrono::milliseconds kAnswerTime{2000};
 /// How long it may take to answer a request that sends an interrupt: the answer comes when the interrupt has ended.
 constexpr std::chrono::milliseconds kInterruptTime{10'000};
 
+/// What a node has answered, or why it has not.
+struct Answer {
+  std::optional<nlohmann::json> said;
+  std::string why_not;  ///< empty where it has answered, or was not asked: it is frozen
+};
+
 /// Asks a daemon, with progress on standard error where it takes long.
 /// @throw NotDone with what the daemon says is wrong; HostPortError where it does not answer
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout);
@@ -22,8 +29,7 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::m
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout,
                    const std::function<void()>& tick);
 
-/// Asks all of these nodes at the same time. Nothing for one that does not answer, or cannot.
-std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,
-                                                   const nlohmann::json& request);
+/// Asks all of these nodes at the same time.
+std::vector<Answer> ask_all(const std::string& ring, const std::vector<NodeName>& nodes, const nlohmann::json& request);
 
 }  // namespace limb_ring::ringctl

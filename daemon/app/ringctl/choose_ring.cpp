@@ -34,7 +34,8 @@ std::string named_ring(const std::string& given) {
 std::string choose_ring(const std::string& given) {
   const std::string named = named_ring(given);
   if (!named.empty()) return named;
-  const std::vector<std::string> rings = running_rings();
+  std::vector<std::string> rings = running_rings();
+  if (rings.empty()) rings = live::held_rings();  // their daemons live, but none can be connected to
   if (rings.empty()) {
     const std::vector<std::string> killed = live::killed_rings();
     if (killed.size() == 1) return killed.front();

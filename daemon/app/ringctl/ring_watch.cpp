@@ -32,6 +32,7 @@ std::string lack_elsewhere(const json& row) {
 
 std::string lack_of_node(const json& row, std::size_t nodes) {
   const std::string state = row.value("state", "unknown");
+  if (row.contains("unanswered")) return "it has not answered: " + row.value("unanswered", "");
   if (state != "up") return "it is " + state;
   if (row.value("elsewhere", false)) return lack_elsewhere(row);
   const std::size_t size = row.value("ring_size", std::size_t{0});

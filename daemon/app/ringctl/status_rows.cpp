@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/ringctl/answers.h"
+#include "app/common/text_table.h"
 #include "app/ringctl/supervision.h"
 #include "ask/error_counters.h"
 #include "ask/ring_words.h"
@@ -75,10 +75,10 @@ json down_row(const NodeName& node) {
 namespace {
 
 /// The newest beacon of a node on another host that a node on this host has heard; null if it is too old.
-json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& answers, std::uint8_t node) {
+json heard_of(const RingAccess& ring, const std::vector<Answer>& answers, std::uint8_t node) {
   json newest;
-  for (const std::optional<json>& answer : answers)
-    for (const json& heard : answer ? answer->value("heard", json::array()) : json::array())
+  for (const Answer& answer : answers)
+    for (const json& heard : answer.said ? answer.said->value("heard", json::array()) : json::array())
       if (heard.value("id", 0) == node && (newest.is_null() || heard.value("age_ms", 0) < newest.value("age_ms", 0)))
         newest = heard;
   const bool fresh =
@@ -88,20 +88,32 @@ json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& an
 
 /// A node's state by its beacon, in the words of a status row. A beacon from away from the break says only that there
 /// is one. Whether the ring is folded back, our own nodes tell: as they hear that node, they are in the same part.
-json state_in(const json& heard, const std::vector<std::optional<json>>& answers) {
+json state_in(const json& heard, const std::vector<Answer>& answers) {
   for (const char* line : {"input", "output"})
     if (heard.value(line, "") == wire::to_string(wire::LinkState::folded)) return "folded";
   if (!heard.value("broken_line", json()).is_object()) return "up";
-  const auto is_folded = [](const auto& answer) { return answer && answer->value("state", "") == "folded"; };
+  const auto is_folded = [](const Answer& answer) {
+    return answer.said && answer.said->value("state", "") == "folded";
+  };
   return std::any_of(answers.begin(), answers.end(), is_folded) ? "folded" : "open_chain";
 }
 
-json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& answers, const NodeName& node) {
+/// A daemon lives there, or may: its lock file cannot be looked at.
+bool is_unanswered(const live::Holder& holder) {
+  return (holder.held && !holder.frozen) || (!holder.held && !holder.problem.empty());
+}
+
+json absent_row(const RingAccess& ring, const std::vector<Answer>& answers, std::size_t place) {
+  const NodeName& node = ring.nodes()[place];
   const std::string folder = ring_directory(ring.ring());
   const live::Holder holder = live::holder_of(folder, node.id);
   json row = down_row(node);
   if (holder.held) row["pid"] = holder.pid;
   if (holder.frozen) row["state"] = "frozen";
+  if (is_unanswered(holder)) {
+    row["state"] = "unanswered";
+    row["unanswered"] = answers[place].why_not.empty() ? holder.problem : answers[place].why_not;
+  }
   row["faults"] = faults_of_absent(folder, node.id, row["state"] == "frozen");
   const bool elsewhere = ring.hosts().empty() ? holder.pid <= 0 : ring.is_elsewhere(node);
   const json heard = elsewhere ? heard_of(ring, answers, node.id) : json();
@@ -118,10 +130,10 @@ json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& 
 
 }  // namespace
 
-std::vector<json> complete_rows(const RingAccess& ring, const std::vector<std::optional<json>>& answers) {
+std::vector<json> complete_rows(const RingAccess& ring, const std::vector<Answer>& answers) {
   std::vector<json> rows;
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    rows.push_back(answers[i] ? *answers[i] : absent_row(ring, answers, ring.nodes()[i]));
+    rows.push_back(answers[i].said ? *answers[i].said : absent_row(ring, answers, i));
     if (const std::string& host = ring.nodes()[i].host; !host.empty()) rows.back()["host"] = host;
   }
   add_verdicts(rows);
@@ -153,7 +165,18 @@ std::string headline(const std::string& ring, const std::vector<json>& rows) {
     const json size = row.value("ring_size", json());  // of a node on another host nobody here knows it
     nodes.push_back({row.value("state", ""), size.is_number() ? size.get<std::size_t>() : 0});
   }
-  return "ring " + ring + ": " + ask::ring_in_words(nodes, broken_line(rows));
+  const auto unanswered = static_cast<std::size_t>(
+      std::count_if(nodes.begin(), nodes.end(), [](const auto& node) { return node.state == "unanswered"; }));
+  const std::string silent = unanswered == 0 ? "" : "; no answer from " + app::counted(unanswered, "node");
+  return "ring " + ring + ": " + ask::ring_in_words(nodes, broken_line(rows)) + silent;
+}
+
+std::string unanswered_report(const std::vector<json>& rows) {
+  std::string text;
+  for (const json& row : rows)
+    if (row.contains("unanswered"))
+      text += "no answer from " + row.value("name", "") + ": " + row.value("unanswered", "") + '\n';
+  return text;
 }
 
 std::string stop_report(const std::vector<json>& rows) {

@@ -1,24 +1,24 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "app/ringctl/answers.h"
 #include "app/ringctl/ring_access.h"
 
 namespace limb_ring::ringctl {
 
 // A status row is what a daemon answers to "status" (daemon/host/requests.md).
 
-/// The row of a node whose daemon does not answer: state "down", and null for what only it knows.
+/// The row of a node that has no daemon: state "down", and null for what only that knows.
 nlohmann::json down_row(const NodeName& node);
-/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. For a node whose daemon has not
-/// answered: "frozen" and its pid if its process on this host is stopped; `elsewhere`, with state, CPU and clock latch
-/// from its beacons, if these are heard and it is on another host or has never run on this one; else "down".
+/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. For a node that has not answered:
+/// "frozen" and its pid if its process on this host is stopped; "unanswered", its pid and the reason, if that lives, or
+/// if that cannot be known; `elsewhere`, with state, CPU and clock latch from its beacons, if these are heard and it is
+/// on another host or has never run on this one; else "down".
 /// @param answers to "status", in ring order
-std::vector<nlohmann::json> complete_rows(const RingAccess& ring,
-                                          const std::vector<std::optional<nlohmann::json>>& answers);
+std::vector<nlohmann::json> complete_rows(const RingAccess& ring, const std::vector<Answer>& answers);
 /// The same of all daemons on this host, asked now.
 std::vector<nlohmann::json> status_rows(const RingAccess& ring);
 
@@ -36,6 +36,8 @@ std::string cpu_word(const nlohmann::json& row);
 std::uint64_t errors_of(const nlohmann::json& row);
 /// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back, or an open chain and where it is broken.
 std::string headline(const std::string& ring, const std::vector<nlohmann::json>& rows);
+/// The nodes that have not answered, and why; empty where all have.
+std::string unanswered_report(const std::vector<nlohmann::json>& rows);
 /// The nodes at which a stop is latched, and what ends it; empty where none is.
 std::string stop_report(const std::vector<nlohmann::json>& rows);
 ///@}

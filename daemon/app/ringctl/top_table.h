@@ -6,7 +6,7 @@
 
 namespace limb_ring::ringctl {
 
-/// A status row of every node (down_row() of one that does not answer), and when they were asked.
+/// A status row of every node (as complete_rows() has them), and when they were asked.
 struct StatusSample {
   std::vector<nlohmann::json> rows;
   double at_s = 0;                 ///< of the machine's clock; a row with "uptime_s" has a better one

@@ -33,6 +33,7 @@ TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
   const std::vector<std::pair<json, std::string>> lacks{
       {{{"state", "folded"}}, "it is folded"},
       {{{"state", "down"}}, "it is down"},
+      {{{"state", "unanswered"}, {"unanswered", "too busy"}}, "it has not answered: too busy"},
       {{{"ring_size", 1}}, "it knows a ring of 1 nodes, not 2"},
       {{{"fold", {{"second_input", "down"}}}}, "its second line in is broken"},
       {{{"cpu", {{"kind", "child"}, {"state", "booting"}}}}, "its CPU is booting"},
@@ -80,7 +81,7 @@ TEST(State, IsThatOfTheNodeOrOfItsCpu) {
 }
 
 TEST(State, IsAnyThatStatusShows) {
-  for (const char* word : {"duplicate_id", "open_chain", "down", "frozen", "absent", "failed", "latched"})
+  for (const char* word : {"duplicate_id", "open_chain", "down", "frozen", "unanswered", "absent", "failed", "latched"})
     EXPECT_THAT(state_words(), Contains(word));
 }
 

@@ -43,7 +43,8 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
   const std::string heading = headline(ring.ring(), rows) + clock_words(ring_clock(ring.ring()));
   std::cout << app::wrapped(heading, style.width) << status_table(rows, style)
-            << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), style.width);
+            << app::wrapped(line_report(rows) + unanswered_report(rows) + stop_report(rows) + supervision_text(rows),
+                            style.width);
 }
 
 /// Of a ring that is frozen as a whole, the nodes that its files tell of.
@@ -71,7 +72,9 @@ int run(const Context& context, const StatusOptions& options) {
 void add_status(CLI::App& app, Context& context) {
   auto options = std::make_shared<StatusOptions>();
   CLI::App* command =
-      add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down', or, stopped, 'frozen'");
+      add_command(app, "status",
+                  "Show all nodes; one without a daemon is 'down'; one whose daemon is stopped is 'frozen', and "
+                  "'unanswered' where it lives and has not answered, or could not be asked");
   command->add_option("RING", options->ring, "Its name; default: the only one running");
   command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too");
   add_json(*command, options->json);

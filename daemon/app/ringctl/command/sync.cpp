@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
@@ -46,7 +47,9 @@ using Latches = std::vector<std::optional<json>>;
 
 /// The last latch of each node, as told by its own daemon, or for a node on another host by its beacons.
 Latches last_latches(const RingAccess& ring) {
-  Latches latches = ask_all(ring.ring(), ring.nodes_here(), {{"do", "latch"}});
+  Latches latches;
+  for (Answer& answer : ask_all(ring.ring(), ring.nodes_here(), {{"do", "latch"}}))
+    latches.push_back(std::move(answer.said));
   if (ring.hosts().empty()) return latches;
   Latches all;
   const std::vector<json> rows = status_rows(ring);

@@ -46,46 +46,48 @@ class StatusPoll {
   explicit StatusPoll(const RingAccess& ring) : ring_(ring), ports_(ring.nodes().size()) {}
 
   StatusSample sample() {
+    std::vector<Answer> answers(ports_.size());
     std::vector<std::optional<std::uint32_t>> tokens;
-    for (std::size_t i = 0; i < ports_.size(); ++i) tokens.push_back(ask(i));
+    for (std::size_t i = 0; i < ports_.size(); ++i) tokens.push_back(ask(i, answers[i].why_not));
     StatusSample sample;
     sample.at_s = duration<double>(steady_clock::now().time_since_epoch()).count();
     const auto deadline = steady_clock::now() + kAnswerWait;
-    std::vector<std::optional<nlohmann::json>> answers;
     for (std::size_t i = 0; i < ports_.size(); ++i)
-      answers.push_back(tokens[i] ? answer(i, *tokens[i], deadline) : std::nullopt);
+      if (tokens[i]) answers[i] = answer(i, *tokens[i], deadline);
     sample.rows = complete_rows(ring_, answers);
     sample.clock = ring_clock(ring_.ring());
     return sample;
   }
 
  private:
-  /// @return token of the answer; nothing where none is to be waited for
-  std::optional<std::uint32_t> ask(std::size_t index) {
+  /// @return token of the answer; nothing where none is to be waited for, with the reason where it could not be asked
+  std::optional<std::uint32_t> ask(std::size_t index, std::string& why_not) {
     const NodeName& node = ring_.nodes()[index];
     if (ring_.is_elsewhere(node)) return std::nullopt;                                // its beacons are heard here
     if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
     try {
       if (!ports_[index]) ports_[index] = ring_.connect(node, Stay::for_long);
       return ports_[index]->request(R"({"do": "status"})");
-    } catch (const HostPortError&) {
-      return std::nullopt;  // it is down, and asked again next time
+    } catch (const HostPortError& problem) {
+      why_not = problem.what();  // it is asked again next time
+      return std::nullopt;
     }
   }
 
-  std::optional<nlohmann::json> answer(std::size_t index, std::uint32_t token, steady_clock::time_point deadline) {
+  Answer answer(std::size_t index, std::uint32_t token, steady_clock::time_point deadline) {
     while (ports_[index] && ports_[index]->connected()) {
       const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
       const auto message = ports_[index]->receive(std::max(left, milliseconds(0)));
       const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
       if (reply != nullptr && reply->token == token) {
         auto row = nlohmann::json::parse(reply->json, nullptr, /*allow_exceptions=*/false);
-        if (row.is_object()) return row;
+        if (row.is_object()) return {row, ""};
       }
-      if (!message) return std::nullopt;
+      if (!message && ports_[index]->connected())
+        return {std::nullopt, "its daemon does not answer within " + std::to_string(kAnswerWait.count()) + " ms"};
     }
     ports_[index].reset();
-    return std::nullopt;
+    return {std::nullopt, "its daemon has closed the connection"};
   }
 
   const RingAccess& ring_;
@@ -113,8 +115,9 @@ TopStyle style() {
 
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
                   const TopStyle& style) {
-  return top_table(headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
-                   line_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
+  return top_table(
+      headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
+      line_report(now.rows) + unanswered_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
 }
 
 nlohmann::json json_of(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows) {
