@@ -1,13 +1,16 @@
 #include "live/connect_node.h"
 
+#include <utility>
+
 namespace limb_ring::live {
 
-HostPort connect_node(const std::string& ring, const std::string& node, Stay stay) {
+HostPort connect_node(const std::string& ring, const std::string& node, Stay stay, std::function<void()> meanwhile) {
   ConnectOptions options;
   options.ring = ring;
   options.node = node;
   options.asks_only = stay == Stay::asks_only;
   options.timeout = std::chrono::milliseconds(0);
+  options.meanwhile = std::move(meanwhile);
   return HostPort::connect(options);
 }
 

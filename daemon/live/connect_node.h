@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -14,7 +15,9 @@ enum class Stay : std::uint8_t { asks_only, for_long };
 
 /// Connects to a node's daemon without waiting for one that is not there. @throw HostPortError
 /// @param node id or name
-HostPort connect_node(const std::string& ring, const std::string& node, Stay stay = Stay::asks_only);
+/// @param meanwhile as ConnectOptions::meanwhile
+HostPort connect_node(const std::string& ring, const std::string& node, Stay stay = Stay::asks_only,
+                      std::function<void()> meanwhile = {});
 
 /// The same to a virtual ring's own host port, which is of no node. @throw HostPortError
 HostPort connect_ring(const std::string& ring);

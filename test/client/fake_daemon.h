@@ -5,6 +5,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -66,6 +67,12 @@ class FakeDaemon {
   bool is_tried() const {
     pollfd waiting{listening_, POLLIN, 0};
     return ::poll(&waiting, 1, 0) > 0;
+  }
+  /// The client that was accepted last is still there.
+  bool has_client() const {
+    char byte = 0;
+    const ssize_t got = client_ < 0 ? 0 : ::recv(client_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    return got > 0 || (got < 0 && errno == EAGAIN);
   }
   void hang_up() {
     if (client_ >= 0) ::close(client_);

@@ -1,5 +1,7 @@
 #include "app/ringctl/answers.h"
 
+#include <algorithm>
+
 #include "app/ringctl/connect_node.h"
 #include "app/ringctl/node_name.h"
 #include "app/ringctl/problems.h"
@@ -16,8 +18,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kAnswerTick{200};
-constexpr std::size_t kAskers = 32;
+constexpr milliseconds kAnswerTick{50};
 
 [[noreturn]] void no_answer(const HostPort& port, milliseconds timeout) {
   require_clock_goes(port.ring());
@@ -34,11 +35,20 @@ nlohmann::json checked(const HostPort& port, const std::string& text) {
   throw NotDone(problem);
 }
 
-Answer ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request) {
+/// Connecting and the answer together take no longer than an answer may.
+Answer ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request, Deadline all_by) {
   if (live::is_frozen(ring_directory(ring), node.id)) return {};  // it would let us wait
   try {
-    HostPort port = connect_node(ring, std::to_string(node.id));
-    return {checked(port, port.reply(port.request(request.dump()), kAnswerTime)), ""};
+    const auto begun = steady_clock::now(), deadline = std::min(all_by, begun + kAnswerTime);
+    if (deadline <= begun) return {std::nullopt, "it was not asked: no time was left"};
+    const auto look = [&] {
+      if (steady_clock::now() < deadline) return;
+      const auto waited = std::chrono::ceil<milliseconds>(deadline - begun);
+      throw HostPortTimeout("its daemon did not answer within " + std::to_string(waited.count()) + " ms");
+    };
+    HostPort port = connect_node(ring, std::to_string(node.id), Stay::asks_only, look);
+    const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
+    return {checked(port, port.reply(port.request(request.dump()), std::max(left, milliseconds(0)))), ""};
   } catch (const std::exception& problem) {
     return {std::nullopt, problem.what()};
   }
@@ -67,11 +77,12 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds t
   no_answer(port, timeout);
 }
 
-std::vector<Answer> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,
-                            const nlohmann::json& request) {
+std::vector<Answer> ask_all(const std::string& ring, const std::vector<NodeName>& nodes, const nlohmann::json& request,
+                            Deadline deadline) {
   std::vector<Answer> answers(nodes.size());
   // A daemon that is stopped takes its whole time-out.
-  process::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request); });
+  process::in_parallel(nodes.size(), kAskers,
+                       [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request, deadline); });
   return answers;
 }
 

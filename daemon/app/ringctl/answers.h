@@ -13,6 +13,8 @@ namespace limb_ring::ringctl {
 
 /// How long a daemon may take for an answer that needs no waiting.
 constexpr std::chrono::milliseconds kAnswerTime{2000};
+/// How many are asked at the same time: all of a ring, as one that is silent takes all of that.
+constexpr std::size_t kAskers = 256;
 /// How long it may take to answer a request that sends an interrupt: the answer comes when the interrupt has ended.
 constexpr std::chrono::milliseconds kInterruptTime{10'000};
 
@@ -30,6 +32,7 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::m
                    const std::function<void()>& tick);
 
 /// Asks all of these nodes at the same time.
-std::vector<Answer> ask_all(const std::string& ring, const std::vector<NodeName>& nodes, const nlohmann::json& request);
+std::vector<Answer> ask_all(const std::string& ring, const std::vector<NodeName>& nodes, const nlohmann::json& request,
+                            Deadline deadline = kNoDeadline);
 
 }  // namespace limb_ring::ringctl

@@ -1,7 +1,10 @@
 #include "app/ringctl/ring_access.h"
 
 #include <algorithm>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
@@ -13,6 +16,7 @@
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
+#include "process/in_parallel.h"
 
 namespace limb_ring::ringctl {
 
@@ -38,9 +42,10 @@ std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
   return static_cast<std::size_t>(found - nodes.begin());
 }
 
-RingDescription described_by(const std::string& ring, const std::string& node) {
-  HostPort port = connect_node(ring, node);
-  const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime);
+/// @param look called now and then while it waits; it may throw
+RingDescription described_by(const std::string& ring, const std::string& node, const std::function<void()>& look) {
+  HostPort port = connect_node(ring, node, Stay::asks_only, look);
+  const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime, look);
   RingDescription described;
   described.ring = ring;
   described.nodes = names_of(config);
@@ -70,6 +75,73 @@ Daemons daemons_of(const std::string& ring, const std::string& first) {
   return daemons;
 }
 
+constexpr std::chrono::milliseconds kWithOneAlone{500};  ///< with one daemon, before all are asked
+using std::chrono::steady_clock;
+
+/// Looks for a daemon that describes its ring.
+class Search {
+ public:
+  Search(std::string ring, Deadline deadline) : ring_(std::move(ring)), deadline_(deadline) {}
+
+  /// One after the other, as nearly always the first one answers; where one lets us wait, all that are left at once.
+  std::optional<RingDescription> among(const std::vector<std::string>& nodes) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto now = steady_clock::now();
+      if (now >= deadline_) break;
+      const auto until = now + std::min<steady_clock::duration>(kWithOneAlone, (deadline_ - now) / 2);
+      try {
+        return described_by(ring_, nodes[i], [until] {
+          if (steady_clock::now() >= until) throw Waits();
+        });
+      } catch (const HostPortError& problem) {
+        why_ = problem.what();
+      } catch (const Waits&) {
+        return among_all({nodes.begin() + static_cast<std::ptrdiff_t>(i), nodes.end()});
+      }
+    }
+    return std::nullopt;
+  }
+  /// What was wrong with the last one; empty: none was asked.
+  const std::string& why() const { return why_; }
+
+ private:
+  struct Waits {};
+
+  std::optional<RingDescription> among_all(const std::vector<std::string>& nodes) {
+    process::in_parallel(nodes.size(), kAskers, [&](std::size_t i) {
+      try {
+        found(described_by(ring_, nodes[i], [&] { look(nodes.front()); }));
+      } catch (const HostPortError& problem) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        why_ = problem.what();
+      } catch (const Waits&) {
+      }
+    });
+    return std::move(found_);
+  }
+
+  void look(const std::string& silent) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (found_) throw Waits();
+    const std::string words = "node " + silent + " does not answer";
+    if (steady_clock::now() < deadline_) return progress_.tell(words + ", asking all others");
+    why_ = words;
+    throw Waits();
+  }
+
+  void found(RingDescription description) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!found_) found_ = std::move(description);
+  }
+
+  std::string ring_;
+  Deadline deadline_;
+  std::mutex mutex_;
+  std::string why_;
+  std::optional<RingDescription> found_;
+  Progress progress_;
+};
+
 std::size_t killed_nodes(const std::string& folder) {
   const auto nodes = live::known_nodes(folder);
   return static_cast<std::size_t>(std::count_if(
@@ -78,20 +150,14 @@ std::size_t killed_nodes(const std::string& folder) {
 
 }  // namespace
 
-RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
+RingAccess RingAccess::open(const std::string& ring, const std::string& first, Deadline deadline) {
   const std::string folder = ring_directory(ring), unreadable = why_unreadable(folder);
   if (!unreadable.empty()) throw NoRing("ring " + ring + ": " + folder + unreadable);
   std::string why = "it has no sockets in " + folder;
-  Progress progress;
   const Daemons daemons = daemons_of(ring, first);
-  for (const std::string& node : daemons.answering) {
-    try {
-      return RingAccess(described_by(ring, node));
-    } catch (const HostPortError& problem) {
-      why = problem.what();
-    }
-    if (&node != &daemons.answering.back()) progress.tell("node " + node + " does not answer, asking another");
-  }
+  Search search(ring, deadline);
+  if (auto described = search.among(daemons.answering)) return RingAccess(std::move(*described));
+  if (!search.why().empty()) why = search.why();
   if (daemons.frozen != 0)
     throw AllFrozen("no daemon of ring " + ring + " answers: " + app::counted(daemons.frozen, "node") +
                     " frozen; 'ringctl fault clear' thaws them");

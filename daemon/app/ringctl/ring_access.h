@@ -12,6 +12,10 @@
 
 namespace limb_ring::ringctl {
 
+/// Until when answers are waited for; by itself until each daemon has had its time.
+using Deadline = std::chrono::steady_clock::time_point;
+constexpr Deadline kNoDeadline = Deadline::max();
+
 /// A machine that runs some of the nodes.
 struct RingHost {
   std::string name, address;
@@ -38,8 +42,9 @@ struct RingDescription {
 class RingAccess {
  public:
   /// Asks `first` (id or name; may be empty), then one daemon after the other that is not frozen, how the ring is
-  /// configured. @throw NoRing where none answers, AllFrozen where none could
-  static RingAccess open(const std::string& ring, const std::string& first = {});
+  /// configured; where one keeps us waiting, all at the same time. @throw NoRing where none answers, AllFrozen where
+  /// none could
+  static RingAccess open(const std::string& ring, const std::string& first = {}, Deadline deadline = kNoDeadline);
   /// As open(). Where none answers, because nodes were killed or frozen on purpose, the nodes of this host by what
   /// their files tell, in the order of their ids.
   static RingAccess open_also_dead(const std::string& ring);

@@ -1,5 +1,7 @@
 #include "app/ringctl/ring_wait.h"
 
+#include <algorithm>
+
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
@@ -19,6 +21,9 @@ using std::chrono::steady_clock;
 
 namespace {
 
+/// A daemon that lives has answered by then, also where the wait is shorter.
+constexpr milliseconds kShortestLook{500};
+
 std::string label_of(const json& row) {
   return "node " + label({row.at("id").get<std::uint8_t>(), row.at("name").get<std::string>()});
 }
@@ -31,9 +36,9 @@ std::string refusal_in(const std::vector<json>& rows) {
 }
 
 /// Nothing where no ring runs yet.
-std::vector<json> rows_of(const std::string& ring, std::string& why_none) {
+std::vector<json> rows_of(const std::string& ring, Deadline deadline, std::string& why_none) {
   try {
-    return status_rows(RingAccess::open(choose_ring(ring)));
+    return status_rows(RingAccess::open(choose_ring(ring), {}, deadline), deadline);
   } catch (const NoRing& none) {
     why_none = none.what();
     return {};
@@ -83,7 +88,7 @@ std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& 
   Progress progress;
   for (;;) {
     std::string lacking;
-    const auto rows = rows_of(ring, lacking);
+    const auto rows = rows_of(ring, std::max(deadline, steady_clock::now() + kShortestLook), lacking);
     if (lacking.empty()) lacking = lack(rows);
     if (lacking.empty()) return lacking;
     if (steady_clock::now() >= deadline) return rows.empty() ? lacking : with_clock_of(rows, lacking);

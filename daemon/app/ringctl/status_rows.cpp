@@ -140,8 +140,8 @@ std::vector<json> complete_rows(const RingAccess& ring, const std::vector<Answer
   return rows;
 }
 
-std::vector<json> status_rows(const RingAccess& ring) {
-  return complete_rows(ring, ask_all(ring.ring(), ring.nodes(), {{"do", "status"}}));
+std::vector<json> status_rows(const RingAccess& ring, Deadline deadline) {
+  return complete_rows(ring, ask_all(ring.ring(), ring.nodes(), {{"do", "status"}}, deadline));
 }
 
 std::string cpu_word(const json& row) {

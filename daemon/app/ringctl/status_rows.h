@@ -20,7 +20,7 @@ nlohmann::json down_row(const NodeName& node);
 /// @param answers to "status", in ring order
 std::vector<nlohmann::json> complete_rows(const RingAccess& ring, const std::vector<Answer>& answers);
 /// The same of all daemons on this host, asked now.
-std::vector<nlohmann::json> status_rows(const RingAccess& ring);
+std::vector<nlohmann::json> status_rows(const RingAccess& ring, Deadline deadline = kNoDeadline);
 
 /// @name What a row means, in the words that status, top and wait share
 ///@{

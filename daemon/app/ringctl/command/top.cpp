@@ -21,6 +21,7 @@
 #include "cli/values.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "process/in_parallel.h"
 #include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
@@ -33,6 +34,7 @@ namespace {
 
 /// How long a daemon that does not answer may delay the next picture.
 constexpr milliseconds kAnswerWait{500};
+constexpr const char* kLate = "its daemon does not answer within 500 ms";
 
 struct TopOptions {
   std::string ring;
@@ -47,8 +49,8 @@ class StatusPoll {
 
   StatusSample sample() {
     std::vector<Answer> answers(ports_.size());
-    std::vector<std::optional<std::uint32_t>> tokens;
-    for (std::size_t i = 0; i < ports_.size(); ++i) tokens.push_back(ask(i, answers[i].why_not));
+    std::vector<std::optional<std::uint32_t>> tokens(ports_.size());
+    process::in_parallel(ports_.size(), kAskers, [&](std::size_t i) { tokens[i] = ask(i, answers[i].why_not); });
     StatusSample sample;
     sample.at_s = duration<double>(steady_clock::now().time_since_epoch()).count();
     const auto deadline = steady_clock::now() + kAnswerWait;
@@ -66,7 +68,11 @@ class StatusPoll {
     if (ring_.is_elsewhere(node)) return std::nullopt;                                // its beacons are heard here
     if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
     try {
-      if (!ports_[index]) ports_[index] = ring_.connect(node, Stay::for_long);
+      if (!ports_[index])
+        ports_[index] = connect_node(ring_.ring(), std::to_string(node.id), Stay::for_long,
+                                     [until = steady_clock::now() + kAnswerWait] {
+                                       if (steady_clock::now() >= until) throw HostPortTimeout(kLate);
+                                     });
       return ports_[index]->request(R"({"do": "status"})");
     } catch (const HostPortError& problem) {
       why_not = problem.what();  // it is asked again next time
@@ -83,8 +89,7 @@ class StatusPoll {
         auto row = nlohmann::json::parse(reply->json, nullptr, /*allow_exceptions=*/false);
         if (row.is_object()) return {row, ""};
       }
-      if (!message && ports_[index]->connected())
-        return {std::nullopt, "its daemon does not answer within " + std::to_string(kAnswerWait.count()) + " ms"};
+      if (!message && ports_[index]->connected()) return {std::nullopt, kLate};
     }
     ports_[index].reset();
     return {std::nullopt, "its daemon has closed the connection"};
