@@ -3,7 +3,6 @@
 #include <fcntl.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "fault/name.h"
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
+#include "live/ring_files.h"
 #include "process/process_state.h"
 #include "process/regular_file.h"
 #include "process/throw_errno.h"
@@ -25,21 +25,6 @@ namespace limb_ring::live {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Of this process or of the system: it says nothing of what could not be opened for it.
-bool is_shortage(int error) { return error == EMFILE || error == ENFILE || error == ENOMEM; }
-
-/// What others could have put there is nothing to go by: it would choose which processes we signal, which files we
-/// remove, and which programs we start.
-std::vector<fs::path> files_in(const std::string& folder) {
-  std::vector<fs::path> files;
-  if (!why_not_private(folder).empty()) return files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    files.push_back(it->path());
-  if (is_shortage(error.value())) throw std::system_error(error, "cannot look into " + folder);
-  return files;
-}
 
 /// The id of the node whose lock file this is; nothing if it is no lock file.
 std::optional<std::uint8_t> node_of(const fs::path& file) {
@@ -62,7 +47,7 @@ bool is_held(const process::UniqueFd& file) {
 /// @throw std::system_error where that cannot be known
 bool is_held(const fs::path& lock) {
   const process::UniqueFd file = process::open_regular(lock);
-  if (!file.valid() && is_shortage(errno)) process::throw_errno("cannot look at " + lock.string());
+  if (!file.valid() && process::is_shortage(errno)) process::throw_errno("cannot look at " + lock.string());
   return file.valid() && is_held(file);
 }
 
@@ -118,20 +103,6 @@ bool is_read(const fs::path& file) {
   return kind == ".lock" || kind == ".fault" || kind == ".killed";
 }
 
-/// A note whose writer was killed (node_notes.cpp): 3.fault.4711
-bool is_unfinished_note(const fs::path& file) {
-  const std::string pid = file.extension(), kind = file.stem().extension();
-  return pid.size() > 1 && pid.find_first_not_of("0123456789", 1) == std::string::npos &&
-         (kind == ".fault" || kind == ".killed");
-}
-
-bool is_leftover(const fs::path& file) {
-  const std::array<const char*, 13> ours{".boot", ".fault", ".former", ".host",   ".killed", ".link", ".link2",
-                                         ".lock", ".log",   ".new",    ".record", ".sock",   ".watch"};
-  return is_unfinished_note(file) ||
-         std::any_of(ours.begin(), ours.end(), [&](const char* extension) { return file.extension() == extension; });
-}
-
 }  // namespace
 
 Holder holder_of(const std::string& folder, std::uint8_t node) {
@@ -165,15 +136,14 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
 
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
-  for (const fs::path& file : files_in(folder))
+  for (const fs::path file : files_in(folder))
     if (const auto node = node_of(file); node && is_held(file))
       held.push_back({*node, file.string(), holder_of(folder, *node).pid});
   return held;
 }
 
 std::vector<std::string> ring_folders() {
-  std::vector<std::string> folders;
-  for (const fs::path& folder : files_in(rings_directory())) folders.push_back(folder.string());
+  std::vector<std::string> folders = files_in(rings_directory());
   std::sort(folders.begin(), folders.end());
   return folders;
 }
@@ -195,7 +165,7 @@ bool is_killed(const std::string& folder, wire::NodeId node) {
 
 std::vector<KnownNode> known_nodes(const std::string& folder) {
   std::vector<KnownNode> nodes;
-  for (const fs::path& file : files_in(folder)) {
+  for (const fs::path file : files_in(folder)) {
     const auto id = node_of(file);
     if (!id) continue;
     const auto note = note_of(folder, wire::NodeId{*id});
@@ -228,7 +198,7 @@ std::vector<std::string> left_rings() { return dead_rings(false); }
 
 std::vector<std::string> unreadable_files(const std::string& folder) {
   std::vector<std::string> problems;
-  for (const fs::path& file : files_in(folder)) {
+  for (const fs::path file : files_in(folder)) {
     if (!is_read(file)) continue;
     const std::string problem = process::why_not_regular(file);
     if (!problem.empty()) problems.push_back(problem + ": it tells nothing; remove it");
@@ -238,19 +208,12 @@ std::vector<std::string> unreadable_files(const std::string& folder) {
 }
 
 std::string held_up_lock(const std::string& folder) {
-  for (const fs::path& file : files_in(folder)) {
+  for (const fs::path file : files_in(folder)) {
     const std::string stem = file.stem();
     const bool of_up = file.extension() == ".lock" && (stem == "up" || stem.rfind("up-", 0) == 0);
     if (of_up && is_held(file)) return file;
   }
   return "";
-}
-
-void remove_leftovers(const std::string& folder) {
-  std::error_code ignored;
-  for (const fs::path& file : files_in(folder))
-    if (is_leftover(file)) fs::remove(file, ignored);
-  fs::remove(folder, ignored);  // stays where something else is in it
 }
 
 }  // namespace limb_ring::live

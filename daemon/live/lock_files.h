@@ -73,8 +73,4 @@ std::vector<std::string> ring_folders();
 /// Path of the lock of a `ringctl up` that is starting the ring, or a host's part of it; empty: none is.
 std::string held_up_lock(const std::string& folder);
 
-/// Removes what daemons that are gone have left in a ring's folder, and the folder.
-/// @pre no node of it is held, and nobody is starting it
-void remove_leftovers(const std::string& folder);
-
 }  // namespace limb_ring::live

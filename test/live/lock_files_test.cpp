@@ -121,23 +121,6 @@ TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
   others.join();
 }
 
-TEST_F(RingFolder, LeftoversGoWithTheirFolder) {
-  for (const char* name :
-       {"3.boot", "3.lock", "3.host", "3.killed", "3.link", "3.log", "3.record.new", "3.fault.4711", "3.killed.4711"})
-    std::ofstream(ring + "/" + name);
-  std::filesystem::create_symlink("3.host", ring + "/left_knee.host");
-  remove_leftovers(ring);
-  EXPECT_FALSE(std::filesystem::exists(ring));
-}
-
-TEST_F(RingFolder, LeftoversOfOthersStay) {
-  std::ofstream(ring + "/notes.txt") << "mine";
-  std::ofstream(ring + "/notes.4711") << "mine";
-  remove_leftovers(ring);
-  EXPECT_TRUE(std::filesystem::exists(ring + "/notes.4711"));
-  EXPECT_TRUE(std::filesystem::exists(ring + "/notes.txt"));
-}
-
 TEST_F(RingFolder, RingThatIsNotThereHoldsNothing) { EXPECT_THAT(held_nodes(ring_directory("nowhere")), IsEmpty()); }
 
 TEST_F(RingFolder, WhatOthersCouldHavePutThereSaysNothing) {
@@ -149,8 +132,6 @@ TEST_F(RingFolder, WhatOthersCouldHavePutThereSaysNothing) {
   EXPECT_THAT(held_rings(), IsEmpty());
   EXPECT_THAT(known_nodes(ring), IsEmpty());
   EXPECT_EQ(holder_of(ring, 7).program, "");
-  remove_leftovers(ring);
-  EXPECT_TRUE(std::filesystem::exists(ring + "/7.lock"));
 }
 
 TEST_F(RingFolder, ANoteSaysWhatWasDoneToANodeUntilItIsRemoved) {

@@ -16,6 +16,7 @@
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "live/ring_files.h"
 #include "recorder/recorder_file.h"
 
 namespace limb_ring::ringctl {

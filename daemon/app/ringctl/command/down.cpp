@@ -18,6 +18,7 @@
 #include "app/ringctl/up_lock.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "live/ring_files.h"
 #include "process/lock_file.h"
 #include "recorder/recorder_file.h"
 
