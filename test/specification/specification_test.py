@@ -167,11 +167,12 @@ class Contents(unittest.TestCase):
 
     def test_every_counter_of_the_bridge_is_listed(self):
         sources = "".join(text for path, text in texts() if path.startswith("ros_bridge") and path.endswith(".cpp"))
-        counted = set(re.findall(r'counters_\.(?:add|set)\("(\w+)"[,)]', sources))
+        counted = set(re.findall(r'counters_\.(?:add|set|lose|set_lost)\("(\w+)"[,)]', sources))
         self.assertGreater(len(counted), 15)
         page = read(os.path.join("docs", "ros.md")).split("## Counters of the bridge")[1].split("\n## ")[0]
         self.assertEqual([name for name in sorted(counted) if "`%s`" % name not in page], [])
-        of_topics = set(re.findall(r'"_(received|dropped_\w+)"', sources)) | set(re.findall(r'count\("(\w+)"\)', sources))
+        of_topics = set(re.findall(r'"_(received|dropped_\w+)"', sources))
+        of_topics |= set(re.findall(r'(?<!\.)(?:count|lose)\("(\w+)"\)', sources))
         self.assertGreater(len(of_topics), 4)
         self.assertEqual([name for name in sorted(of_topics) if "`topic_NAME_%s`" % name not in page], [])
 
