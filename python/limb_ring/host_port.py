@@ -1,12 +1,15 @@
 """The door between a node's network controller and the programs beside it (limb_ring/host_port.h)."""
 import json
+import numbers
 import operator
+import os
 import time
 
 from . import _client
 from ._client import (JOINT_CHANNEL, Disconnected, HostPortError, HostPortTimeout, Interrupt, JointCommand, JointState,
                       Reply, Result, SensorReading)
 
+LATEST = 9e9        # s, of a time that the library can have
 MOST_KEPT = 65536   # as many as the library keeps for who does not receive() them
 
 _FORMATS = {1: JointState, 2: JointCommand, 3: SensorReading, 4: SensorReading}   # by a packet's first byte
@@ -33,6 +36,19 @@ def _byte(name, value, what):
     if not 0 <= number <= 255:
         raise ValueError('%s: %s is needed, not %r' % (name, what, value))
     return number
+
+
+def seconds(name, value):
+    """The value itself, where it is a number; which one it may be is for others to judge."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise TypeError('%s: a number of seconds is needed, not %r' % (name, value))
+    return value
+
+
+def _text(name, value):
+    if not isinstance(value, str):
+        raise TypeError('%s: a text is needed, not %r' % (name, value))
+    return value
 
 
 def _id(value):
@@ -65,8 +81,9 @@ class HostPort:
         @param runtime folder in the place of XDG_RUNTIME_DIR
         @param asks_only it asks for something and goes: there is a place for it where `limits.clients` are taken
         @raise HostPortError what went wrong, and what would be right; HostPortTimeout where the daemon is not there"""
-        return cls(_client.Port(ring, str(node), role, timeout, alive_period, restarted_by_owner, results_may_wait,
-                                lockstep, runtime, asks_only))
+        return cls(_client.Port(_text('ring', ring), str(node), _text('role', role), seconds('timeout', timeout),
+                                seconds('alive_period', alive_period), restarted_by_owner, results_may_wait, lockstep,
+                                _text('runtime', os.fspath(runtime)), asks_only))
 
     @property
     def id(self):
@@ -120,6 +137,8 @@ class HostPort:
 
     def sleep_until(self, time_s):
         """Returns at that time of now(), or when the connection has ended. Messages stay for receive()."""
+        if not abs(seconds('time_s', time_s)) <= LATEST:   # nor is it one where it is NaN
+            raise ValueError('time_s: a time of now() is needed, not %r' % time_s)
         self._port.sleep_until(round(time_s * 1e9))
 
     # ---- out: each returns the token of its Result ----------------------------------------
@@ -177,6 +196,7 @@ class HostPort:
     def receive(self, timeout):
         """The next message: Packet, Interrupt, Result, Reply, Observed, ObservedLost, CapturedPacket, CaptureCounts or
         Disconnected; None where none came, or after Disconnected. Interrupts come first."""
+        seconds('timeout', timeout)
         if not self._kept:
             return self._port.receive(timeout, self._keep)
         if self.connected and not isinstance(self._kept[0], Interrupt):
@@ -188,7 +208,7 @@ class HostPort:
     def wait(self, token, timeout=30.0):
         """The Result of a token; other messages stay for receive(). @raise HostPortTimeout, HostPortError"""
         kept = self._take(lambda message: isinstance(message, Result) and message.token == token)
-        return kept or self._port.wait(token, timeout, self._keep)
+        return kept or self._port.wait(token, seconds('timeout', timeout), self._keep)
 
     def ask(self, order, timeout=30.0):
         """Asks the daemon and waits: a dict. @raise HostPortError with the daemon's words; HostPortTimeout"""
@@ -197,7 +217,7 @@ class HostPort:
     def answer(self, token, timeout=30.0):
         """The answer to a request(): a dict. @raise as ask()"""
         kept = self._take(lambda message: isinstance(message, Reply) and message.token == token)
-        answer = kept.content if kept else json.loads(self._port.reply(token, timeout, self._keep))
+        answer = kept.content if kept else json.loads(self._port.reply(token, seconds('timeout', timeout), self._keep))
         if 'error' in answer:
             raise HostPortError(answer['error'])
         return answer
@@ -209,7 +229,7 @@ class HostPort:
 
     def find(self, wanted, timeout=30.0, missing='it did not come'):
         """The next message for which wanted(message); others stay for receive(). @raise as next_of()"""
-        if not timeout >= 0:   # nor is it a number where it is NaN, which would never be over
+        if not seconds('timeout', timeout) >= 0:   # nor is it a number where it is NaN, which would never be over
             raise ValueError('timeout: 0 s or more is needed, not %r' % timeout)
         kept = self._take(wanted)
         clock = self.now if self._port.in_lockstep else time.monotonic   # that of receive()

@@ -1,12 +1,14 @@
 """A whole ring: started, asked, broken and ended through ringctl, its packets through host ports."""
 import json
+import math
+import numbers
 import os
 import shutil
 import subprocess
 import time
 
 from . import _client
-from .host_port import HostPort, HostPortError
+from .host_port import HostPort, HostPortError, seconds
 from .launcher import Launcher
 
 _TIMES = {'duration', 'after', 'delay', 'jitter', 'every'}   # options of a fault
@@ -31,18 +33,58 @@ def programs_folder():
     raise RingError('ringctl is neither beside this package nor on PATH; set LIMB_RING_PROGRAMS to its folder')
 
 
-def _seconds(time_s):
+def _nanoseconds(time_s):
     return '%dns' % round(time_s * 1e9)
 
 
+def _time(what, value):
+    """The time itself, where it is one that ringctl can wait for; how long that may be is for ringctl to say."""
+    if not 0 <= seconds(what, value) < math.inf:   # nor is it one where it is NaN
+        raise ValueError('%s: 0 s or more is needed, and an end, not %r' % (what, value))
+    return value
+
+
+def _place(what, value):
+    """A node's name or id, or a line, as a word for ringctl."""
+    if isinstance(value, bool) or not isinstance(value, (str, numbers.Integral)):
+        raise TypeError("%s: a text is needed, such as 'knee' or 'hip:knee', or a node's id, not %r" % (what, value))
+    return str(value)
+
+
+def _users_folder():
+    """As ringctl has it; empty where nobody says."""
+    config = os.environ.get('XDG_CONFIG_HOME', '')
+    if not config.startswith('/'):
+        home = os.environ.get('HOME', '')
+        config = home and os.path.join(home, '.config')
+    return config and os.path.join(config, 'limb_ring')
+
+
+def _rings_in(folder):
+    """Names of the rings whose files are there."""
+    try:
+        files = os.listdir(folder)
+    except OSError:
+        return []
+    return [file[:-len('.yaml')] for file in files if file.endswith('.yaml') and file != 'analyzers.yaml']
+
+
 def find_config(name, beside=''):
-    """Path of a ring's file: in the folder `beside`, in the working folder, or one that comes with limb_ring."""
+    """Path of a ring's file: in the folder `beside`, in the working folder, or one that comes with limb_ring. A name alone,
+    'leg8', is that of a ring, as `ringctl up` takes it: the user's own, one of /etc/limb_ring, or one that comes with
+    limb_ring."""
+    name = os.fspath(name)
     ours = os.path.join(_PREFIX, 'share', 'limb_ring', 'config')
+    by_name = [folder for folder in (_users_folder(), '/etc/limb_ring', ours) if folder]
     tried = [os.path.join(folder, name) for folder in (beside or '.', '.', ours)]
+    if '/' not in name and '.' not in name:
+        tried += [os.path.join(folder, name + '.yaml') for folder in by_name]
     for path in tried:
         if os.path.isfile(path):
             return os.path.abspath(path)
-    raise RingError('no file %s; looked for %s' % (name, ', '.join(dict.fromkeys(tried))))
+    known = sorted({ring for folder in by_name for ring in _rings_in(folder)})
+    raise RingError('no file %s; looked for %s; rings that have a name: %s (Ring.attach(NAME): one that runs already)'
+                    % (name, ', '.join(dict.fromkeys(tried)), ', '.join(known) or 'none'))
 
 
 class Ring:
@@ -52,11 +94,11 @@ class Ring:
 
     def __init__(self, config, clock='machine', pace=None, programs=None, timeout=30.0):
         """
-        @param config YAML file (see find_config), or a dict of the same; 2 to 255: so many plain nodes
+        @param config YAML file or name (see find_config), or a dict of the same; 2 to 255: so many plain nodes
         @param clock 'machine', or 'virtual': the whole ring in one process, as `ringctl up --clock`
         @param pace with 'virtual': how fast its time goes beside real time
         @param timeout until the ring has to be closed, and the CPUs that ringd starts have to run"""
-        self._config, self._clock, self._pace, self._timeout = config, clock, pace, timeout
+        self._config, self._clock, self._pace, self._timeout = config, clock, pace, _time('timeout', timeout)
         self._programs = programs
         self._launcher, self._ports, self._ids = None, [], {}
         self._attached = None   # (name, runtime) of a ring that somebody else has started
@@ -167,6 +209,7 @@ class Ring:
         folder = self._launcher.programs if self._launcher else programs_folder()
         name = ['--ring', self._attached[0]] if self._attached and self._attached[0] else []
         command = [os.path.join(folder, 'ringctl'), *name, *(str(word) for word in words)]
+        _time('timeout', timeout)
         try:
             done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                   stderr=subprocess.PIPE, universal_newlines=True, timeout=timeout, check=False)
@@ -195,11 +238,11 @@ class Ring:
     def wait(self, node, state, timeout=10.0):
         """Until a node or its CPU is so, in the words of `ringctl status`: 'up', 'down', 'running', 'hung' ...
         @raise RingError that says what it is instead"""
-        self.ctl('wait', node, state, '--timeout', timeout, timeout=timeout + 10)
+        self.ctl('wait', node, state, '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
 
     def wait_up(self, timeout=10.0):
         """Until all nodes are up and the CPUs that ringd starts run."""
-        self.ctl('wait', 'up', '--timeout', timeout, timeout=timeout + 10)
+        self.ctl('wait', 'up', '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
 
     def fault(self, kind, place, /, **options):
         """As `ringctl fault`: fault('cut', 'hip:knee'), fault('hang', 'knee', duration=2), fault('drop', 'hip:knee',
@@ -207,18 +250,18 @@ class Ring:
         as '200us'. Returns when it has taken effect."""
         words = []
         for name, value in options.items():
-            if name in _TIMES and isinstance(value, (int, float)):
-                value = _seconds(value)
+            if name in _TIMES and not isinstance(value, str):
+                value = _nanoseconds(_time(name, value))
             words += ['--' + {'duration': 'for'}.get(name, name.replace('_', '-')), value]
-        self.ctl('fault', kind, place, *words)
+        self.ctl('fault', kind, _place('place', place), *words)
 
     def clear_faults(self, timeout=30.0):
         """Heals, wakes and starts all; returns when the ring is whole again."""
-        self.ctl('fault', 'clear', '--timeout', timeout, timeout=timeout + 10)
+        self.ctl('fault', 'clear', '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
 
     def reset(self, node, timeout=10.0):
         """Resets a node's CPU by an interrupt; returns when it has booted again. @raise RingError where it has not"""
-        self.ctl('reset', node, '--timeout', timeout, timeout=timeout + 10)
+        self.ctl('reset', node, '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
 
     def stop(self):
         """Emergency stop: latched at every node, until resume(). @raise RingError where it did not reach all"""
@@ -269,7 +312,7 @@ class Ring:
 
     def _result(self, source, timeout, call):
         """Of a call at a node's port, which is connected to in the same time."""
-        deadline = time.monotonic() + timeout
+        deadline = time.monotonic() + seconds('timeout', timeout)
         with self._connect(self._known(str(source)), timeout=timeout) as port:
             token = call(port)
             return port.wait(token, max(0.0, deadline - time.monotonic()))

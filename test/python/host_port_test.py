@@ -118,6 +118,16 @@ def test_every_wait_ends_at_its_deadline(ring):
         HostPort.connect(ring='no_such', node=3, role='boss')
     with pytest.raises(HostPortError, match="ring 'a.b': a name has 1 to 32 letters"):
         HostPort.connect(ring='a\0b', node=3)
+    for late in float('inf'), float('nan'), 1e300:
+        with pytest.raises(ValueError, match=r'time_s: a time of now\(\) is needed, not'):
+            port.sleep_until(late)
+    for wrong in '5s', None, True:
+        for call in (lambda: port.receive(wrong), lambda: port.wait(1, wrong), lambda: port.find(bool, wrong),
+                     lambda: port.ask({'do': 'status'}, wrong), lambda: HostPort.connect(node=3, timeout=wrong)):
+            with pytest.raises(TypeError, match='timeout: a number of seconds is needed, not'):
+                call()
+    with pytest.raises(TypeError, match='ring: a text is needed, not None'):
+        HostPort.connect(ring=None, node=3)
 
 
 @pytest.mark.ring(RING, clock='virtual', pace='max')

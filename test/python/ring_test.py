@@ -213,6 +213,44 @@ def test_files_that_come_with_the_package_are_found():
     assert os.path.basename(find_config('humanoid16.yaml')) == 'humanoid16.yaml'
 
 
+def test_a_ring_goes_by_its_name_alone_the_users_own_first(monkeypatch, tmp_path):
+    monkeypatch.setenv('XDG_CONFIG_HOME', str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    assert find_config('leg8') == find_config('leg8.yaml')
+    with pytest.raises(RingError, match='no file leg9; .*rings that have a name: .*leg8.*Ring.attach') as error:
+        find_config('leg9')
+    assert 'analyzers' not in str(error.value)
+    own = tmp_path / 'limb_ring' / 'leg8.yaml'
+    own.parent.mkdir()
+    own.write_text(json.dumps(plain('mine')))
+    assert find_config('leg8') == str(own)
+    with Ring('leg8') as ring:
+        assert ring.port('body').ring == 'mine'
+
+
+def test_a_time_that_is_none_is_refused_with_its_name():
+    with pytest.raises(ValueError, match='timeout: 0 s or more is needed, and an end, not inf'):
+        Ring(2, timeout=float('inf'))
+    ring = Ring.attach('nobodys')
+    for wrong, kind in ((float('inf'), ValueError), (float('nan'), ValueError), (-1, ValueError), ('5s', TypeError),
+                        (None, TypeError)):
+        for call in (lambda: ring.wait('knee', 'up', timeout=wrong), lambda: ring.wait_up(timeout=wrong),
+                     lambda: ring.clear_faults(timeout=wrong), lambda: ring.reset('knee', timeout=wrong),
+                     lambda: ring.ctl('status', timeout=wrong)):
+            with pytest.raises(kind, match='timeout: .* is needed.*, not'):
+                call()
+    for wrong, kind in (float('nan'), ValueError), (-1, ValueError), ([1], TypeError):
+        with pytest.raises(kind, match='duration: .* is needed.*, not'):
+            ring.fault('hang', 'knee', duration=wrong)
+
+
+def test_the_place_of_a_fault_is_a_text_or_an_id():
+    ring = Ring.attach('nobodys')
+    for wrong in ['knee'], None, 2.5, True:
+        with pytest.raises(TypeError, match="place: a text is needed, such as 'knee' or 'hip:knee'"):
+            ring.fault('kill', wrong)
+
+
 @pytest.mark.ring(plain('marked'))
 def test_the_fixture_has_the_ring_of_its_mark(ring):
     with ring.port('body') as port:
