@@ -13,7 +13,7 @@ const std::vector<ErrorCounter>& error_counters() {
       {Of::input, "broken_off_packets", true},
       {Of::input, "input_losses", false},
       {Of::input, "input_malformed", false},
-      {Of::input, "input_datagrams_lost", false},
+      {Of::input, "input_datagrams_lost", true},  // each held packets, or a part of one
       {Of::input, "input_datagrams_duplicate", false},
       {Of::input, "input_delay_dropped", false},
       {Of::output, "output_losses", false},

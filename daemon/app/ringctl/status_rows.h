@@ -32,7 +32,8 @@ std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::j
 /// "running", "stopped", "hung" ...; "latched" if a stop is latched. "hung" comes from the supervisor: the node's own
 /// network controller says no more than "silent", and that only of a CPU that has promised to speak.
 std::string cpu_word(const nlohmann::json& row);
-/// Packets that were damaged, lost or thrown away at this node since its start: ErrorCounter::of_packets, added up.
+/// Packets, and datagrams of them, that were damaged, lost or thrown away at this node since its start:
+/// ErrorCounter::of_packets, added up.
 std::uint64_t errors_of(const nlohmann::json& row);
 /// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back, or an open chain and where it is broken.
 std::string headline(const std::string& ring, const std::vector<nlohmann::json>& rows);

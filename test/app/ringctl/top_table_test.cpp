@@ -34,6 +34,15 @@ TEST(TopRows, AreRatesBetweenTwoSamples) {
   EXPECT_EQ(rows[1]["packets_per_second"], 0.0);
 }
 
+TEST(TopRows, CountDatagramsThatWereLostAmongTheErrors) {
+  StatusSample now = kNow;
+  now.rows[1]["counters"]["input_datagrams_lost"] = 3;
+  now.rows[1]["counters"]["input_losses"] = 1;  // the line's, whose packets are counted
+  const auto rows = top_rows(kBefore, now);
+  EXPECT_EQ(rows[0]["errors"], 2);
+  EXPECT_EQ(rows[1]["errors"], 5);
+}
+
 TEST(TopRows, CountBytesOfALineWhereTheyComeInWithoutTheLinksFraming) {
   const auto rows = top_rows(kBefore, kNow);
   EXPECT_EQ(rows[0]["bytes_per_second"], (50200 - 4 * 50) / 2.0);
