@@ -6,6 +6,11 @@ import subprocess
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 
 
+def folder_of_copies(name):
+    """Hidden: roslaunch looks everywhere else below the package, also in build/, and would find each launch file twice."""
+    return SOURCES / 'build' / ('.' + name)
+
+
 def copy_sources(folder, changed=None):
     """Makes `folder` the same as the sources; a file that is so already keeps its date, so that it is not built again.
 

@@ -8,6 +8,7 @@ import unittest
 
 sys.dont_write_bytecode = True
 import core_mutants
+from source_copy import SOURCES, folder_of_copies
 from switched_line import switched
 
 
@@ -75,6 +76,20 @@ class TryMutants(unittest.TestCase):
         for mutant in self.module.all_mutants(1):
             self.assertEqual(re.findall('"[^"]*"', mutant.old.split('//')[0]), re.findall('"[^"]*"', mutant.new)
                              if mutant.new.strip() != '(void)0;' else re.findall('"[^"]*"', mutant.old.split('//')[0]))
+
+
+class Copies(unittest.TestCase):
+    def test_lie_where_roslaunch_does_not_look(self):
+        try:
+            from roslib.packages import _find_resource   # what roslaunch asks for a file of a package
+        except ImportError:
+            self.skipTest('no ROS here')
+        with tempfile.TemporaryDirectory() as name:
+            package = pathlib.Path(name)
+            for folder in package, package / folder_of_copies('planted').relative_to(SOURCES) / 'sources':
+                (folder / 'launch').mkdir(parents=True)
+                (folder / 'launch' / 'ring.launch').touch()
+            self.assertEqual(len(_find_resource(name, 'ring.launch')), 1)
 
 
 class SwitchedLine(unittest.TestCase):
