@@ -29,14 +29,21 @@ bool ObservedDaemon::look_for() {
   if (port_ || Clock::now() < next_try_) return connected();
   next_try_ = Clock::now() + kTriesAgain;
   const Holder holder = holder_of(folder_, node_);
+  problem_ = holder.problem;
   if (!holder.held || holder.frozen) return false;
   try {
     port_.emplace(HostPort::connect(daemon_));
     port_->observe(what_);
-  } catch (const HostPortError&) {
+  } catch (const HostPortError& problem) {
+    problem_ = problem.what();
     port_.reset();
   }
   return connected();
+}
+
+bool ObservedDaemon::may_live() const {
+  const Holder holder = holder_of(folder_, node_);
+  return holder.held || !holder.problem.empty();
 }
 
 std::optional<std::string> ObservedDaemon::next() {

@@ -21,6 +21,10 @@ class ObservedDaemon {
   /// Tries to connect, at most four times a second, and waits 200 ms for a daemon that is starting, and 200 ms for its
   /// answer. @return true if connected now
   bool look_for();
+  /// There is one, perhaps stopped, or that cannot be known.
+  bool may_live() const;
+  /// Why a daemon that lives, or may, could not be connected to when it was looked for last; empty where it could.
+  const std::string& problem() const { return problem_; }
   /// The next observation. @return nothing if none is waiting, or the daemon is gone
   std::optional<std::string> next();
   /// Drops the connection; look_for() makes a new one.
@@ -40,6 +44,7 @@ class ObservedDaemon {
   std::string what_;
   std::optional<HostPort> port_;
   Clock::time_point next_try_{};
+  std::string problem_;
 };
 
 }  // namespace limb_ring::live

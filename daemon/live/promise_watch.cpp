@@ -33,6 +33,17 @@ std::size_t PromiseWatch::watched() const {
   }));
 }
 
+std::vector<PromiseWatch::Unwatched> PromiseWatch::unwatched() const {
+  std::vector<Unwatched> all;
+  for (const Node& node : nodes_) {
+    if (node.daemon.connected() && node.reader != nullptr) continue;
+    if (!node.daemon.may_live()) continue;
+    const std::string& why = node.problem.empty() ? node.daemon.problem() : node.problem;
+    all.push_back({node.id, why.empty() ? "its daemon has not answered" : why});
+  }
+  return all;
+}
+
 void PromiseWatch::poll() {
   for (Node& node : nodes_) {
     if (node.daemon.connected()) hear(node);
@@ -65,9 +76,11 @@ void PromiseWatch::begin(Node& node, const std::string& message) {
     if (node.reader) return node.reader->follow(told.at("path").get<std::string>());  // it was removed, and made again
     node.reader = std::make_unique<promises::ObservationReader>(told.at("path").get<std::string>(),
                                                                 told.at("from").get<std::uint64_t>());
+    node.problem.clear();
     judge_.begins(node.id, told.at("state").get<std::uint8_t>(),
                   nanoseconds(told.at("longest_send_ns").get<std::int64_t>()), told.at("at_ns").get<std::int64_t>());
-  } catch (const std::exception&) {
+  } catch (const std::exception& problem) {
+    node.problem = problem.what();
     node.daemon.drop();  // it has ended meanwhile, and is looked for again
   }
 }

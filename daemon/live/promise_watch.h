@@ -32,6 +32,12 @@ class PromiseWatch {
   void finish();
   /// Nodes that are being looked at.
   std::size_t watched() const;
+  /// A node whose daemon lives, or may, and is not looked at.
+  struct Unwatched {
+    std::uint8_t node;
+    std::string why;
+  };
+  std::vector<Unwatched> unwatched() const;
   const promises::JudgeCounts& counts() const { return judge_.counts(); }
   /// The instant of a breach since 1970; on a virtual ring by its own clock.
   std::chrono::nanoseconds date(std::int64_t at_ns) const { return std::chrono::nanoseconds(at_ns) + to_date_; }
@@ -41,7 +47,8 @@ class PromiseWatch {
     std::uint8_t id;
     ObservedDaemon daemon;
     std::unique_ptr<promises::ObservationReader> reader = nullptr;
-    int last_rounds = 0;  ///< until it counts as dead
+    int last_rounds = 0;       ///< until it counts as dead
+    std::string problem = {};  ///< why its observations cannot be read
   };
 
   void hear(Node& node);

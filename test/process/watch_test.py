@@ -5,6 +5,7 @@ import json
 import mmap
 import os
 import re
+import resource
 import shutil
 import signal
 import struct
@@ -65,6 +66,18 @@ class Watching(WatchingTest):
         self.assertEqual(self.wait_exit(watch), 0)
         self.assertIn('was taken down', self.log_of(watch))
         self.assertIn('every promise was kept', self.log_of(watch))
+
+    def test_claims_nothing_of_nodes_that_it_could_not_watch(self):
+        self.start_ring(plain_nodes(8))
+        for limit in 10, 12:  # of them one for each node, and for what a program needs
+            def few_descriptors():
+                resource.setrlimit(resource.RLIMIT_NOFILE, (limit, limit))
+            done = self.ctl('watch', '--for', 0.5, preexec_fn=few_descriptors)
+            self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+            self.assertIn('Too many open files', done.stderr)
+            self.assertNotIn('was kept', done.stdout)
+            self.assertNotIn('was taken down', done.stderr)
+            self.assertRegex(done.stdout, 'nodes? not watched, and not judged')
 
     def test_without_a_ring_it_says_so(self):
         self.assertEqual(self.ctl('watch', 'no_such_ring').returncode, 3)

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -17,6 +18,7 @@
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/ring_files.h"
+#include "process/throw_errno.h"
 #include "recorder/recorder_file.h"
 
 namespace limb_ring::ringctl {
@@ -41,13 +43,19 @@ std::optional<std::uint8_t> socket_id(const fs::path& file) {
 }  // namespace
 
 RingFolder::RingFolder(const std::string& ring)
-    : path_(ring_directory(ring)), opened_(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
+    : path_(ring_directory(ring)), opened_(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (!opened_.valid() && errno != ENOENT) process::throw_errno("cannot look into " + path_);
+}
 
 // The folder stays where somebody has put a file into it.
 bool RingFolder::is_gone() const {
   struct stat folder {};
   if (::fstat(opened_.get(), &folder) != 0 || folder.st_nlink == 0) return true;
-  return live::known_nodes(path_).empty();
+  try {
+    return live::known_nodes(path_).empty();
+  } catch (const std::system_error&) {  // it is there, but there is no descriptor left to look into it
+    return false;
+  }
 }
 
 std::vector<std::uint8_t> node_sockets(const std::string& ring) {

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
@@ -69,21 +70,29 @@ void print_breach(const RingAccess& ring, const promises::Breach& breach, nanose
             << std::endl;
 }
 
-void print_end(const promises::JudgeCounts& counts, double seconds, bool json) {
+std::string verdict(const promises::JudgeCounts& counts, std::size_t unwatched) {
+  if (counts.breaches != 0) return std::to_string(counts.breaches) + " broken";
+  return unwatched == 0 ? "every promise was kept" : app::counted(unwatched, "node") + " not watched, and not judged";
+}
+
+void print_end(const promises::JudgeCounts& counts, const std::vector<live::PromiseWatch::Unwatched>& unwatched,
+               double seconds, bool json) {
   if (json) {
+    nlohmann::json not_watched = nlohmann::json::array();
+    for (const auto& node : unwatched) not_watched.push_back(node.node);
     std::cout << nlohmann::json{{"seconds", seconds},
                                 {"sends", counts.sends},
                                 {"packets", counts.packets},
                                 {"broken", counts.breaches},
                                 {"not_judged", counts.all_unjudged()},
+                                {"not_watched", not_watched},
                                 {"observations_lost", counts.lost}}
                      .dump()
               << std::endl;
     return;
   }
   std::cout << "watched for " << std::fixed << std::setprecision(1) << seconds << " s: " << describe(counts) << "; "
-            << (counts.breaches == 0 ? "every promise was kept" : std::to_string(counts.breaches) + " broken")
-            << std::endl;
+            << verdict(counts, unwatched.size()) << std::endl;
 }
 
 /// One run of `ringctl watch`, from its start to the end of the ring or of the user's patience.
@@ -108,8 +117,11 @@ class WatchRun {
     } while (!is_over() && !signals.asked_to_end(live::PromiseWatch::kRound));
     if (folder_.is_gone()) std::cerr << "ringctl: ring " << ring_.ring() << " was taken down" << std::endl;
     watch_.finish();
-    print_end(watch_.counts(), seconds(), options_.json);
-    return watch_.counts().breaches == 0 ? kDone : kNotDone;
+    const auto unwatched = watch_.unwatched();
+    for (const auto& node : unwatched)
+      std::cerr << "ringctl: node " << name_in(ring_, node.node) << " was not watched: " << node.why << std::endl;
+    print_end(watch_.counts(), unwatched, seconds(), options_.json);
+    return watch_.counts().breaches == 0 && unwatched.empty() ? kDone : kNotDone;
   }
 
  private:
@@ -150,7 +162,7 @@ void add_watch(CLI::App& app, Context& context) {
       app, "watch",
       "Judge a living ring's promises until Ctrl-C or the ring is taken down: what is delivered has arrived, once "
       "and in order, every send has one result, pins are pulled once, nothing circles; a "
-      "line for each one that is broken, and then exit code 1");
+      "line for each one that is broken, and then exit code 1, as where a node could not be watched");
   command->add_option("RING", options->ring, "Its name; default: the only one running");
   command->add_option("--for", options->lasts_s, "End after so many seconds; default: never")
       ->transform(cli::seconds(0.1, 1e9));
