@@ -17,6 +17,8 @@ void PendingConnection::read() {
   const auto got = receive_now(socket_.native_handle(), bytes_.data() + size_, wanted_ - size_, descriptors_);
   if (got < 0 && would_block(errno)) return;
   if (got <= 0) return owner_->on_unknown_peer(self, "it left without a word");
+  // Each part of a header could bring some more.
+  if (descriptors_.size() > kMostDescriptors) return owner_->on_unknown_peer(self, kNoNode);
   size_ += static_cast<std::size_t>(got);
   if (size_ < wanted_) return;
   if (wanted_ == kLinkHeaderSize && take_header()) return read();
@@ -26,7 +28,7 @@ void PendingConnection::read() {
 
 bool PendingConnection::take_header() {
   const auto header = parse_header({bytes_.data(), size_});
-  if (!header || descriptors_.size() > kMostDescriptors) {
+  if (!header) {
     owner_->on_unknown_peer(shared_from_this(), kNoNode);
     return false;
   }
@@ -45,6 +47,7 @@ bool PendingConnection::take_header() {
 
 void PendingConnection::close() {
   owner_ = nullptr;
+  descriptors_.clear();
   boost::system::error_code ignored;
   socket_.close(ignored);
 }

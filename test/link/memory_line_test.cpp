@@ -106,6 +106,18 @@ TEST_F(MemoryInputFromHand, RefusesAnOfferWithoutMemory) {
   EXPECT_EQ(answer()->refusal, Refusal::invalid_memory);
 }
 
+TEST_F(MemoryInputFromHand, EndsWithDescriptorsInEachPartOfAHandshake) {
+  line = connect_unix(rig.endpoint(1).path);
+  LinkHeader header;
+  header.type = LinkHeaderType::connect_memory;
+  header.ring = LinkRig::kRing;
+  const auto bytes = encode_connect(header, {});
+  for (std::size_t sent = 0; sent < 3; ++sent)  // it could be as many as it has bytes
+    send_now(line.get(), {bytes.data() + sent, 1}, {memory->fd(), wake.get()});
+  ASSERT_TRUE(rig.until([&] { return counters().unknown_peers == 1; }));
+  EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("is not a limb_ring node"));
+}
+
 TEST_F(MemoryInputFromHand, RefusesMemoryThatIsNotSealed) {
   process::UniqueFd file(::open("/dev/zero", O_RDWR));
   greet({file.get(), wake.get()});
