@@ -62,6 +62,15 @@ class Ping(RingTest):
         self.assertIn('1 (node1): seq=1 refused', done.stdout)
         self.assertIn('1 sent, 0 delivered, 1 refused', done.stdout)
 
+    def test_sends_nothing_more_to_a_daemon_that_has_ended(self):
+        daemons = self.start_ring(plain_nodes(2))
+        ping = self.start('ping', [program('ringctl'), 'ping', 'node1', '--from', 'node0', '-i', '1s'])
+        self.wait('a packet', lambda: 'seq=1' in self.log_of(ping))
+        daemons[0].kill()
+        self.assertEqual(self.wait_exit(ping), 3)
+        sent, delivered = re.search(r'(\d+) sent, (\d+) delivered, [0-9.]+ s\n', self.log_of(ping)).groups()
+        self.assertEqual(sent, delivered)
+
     def test_ends_after_its_time(self):
         self.start_ring(plain_nodes(2))
         self.assertEqual(self.ctl('ping', 'node1', '-q', '-w', '50ms', '-i', '1ms').returncode, 0)

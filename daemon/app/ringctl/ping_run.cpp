@@ -74,6 +74,12 @@ bool PingRun::over() const {
   return order_.deadline && steady_clock::now() - begun_ >= *order_.deadline;
 }
 
+/// A send to a daemon that has gone would be counted as one.
+void PingRun::look_for_the_end() {
+  while (const auto message = port_.receive(milliseconds(0)))
+    if (const auto* end = std::get_if<Disconnected>(&*message)) totals_.problem = gone(port_, end->reason).what();
+}
+
 void PingRun::send_one() {
   std::vector<std::uint8_t> data(order_.size);
   for (unsigned i = 0; i < order_.size; ++i)  // no two alike, as far as they are large enough
@@ -113,6 +119,7 @@ void PingRun::wait_for_turn(std::uint64_t number) {
     const auto left = std::chrono::ceil<milliseconds>(turn - steady_clock::now());
     asked_to_end_ =
         process::SignalWait::asks_to_end(signals_.next(std::clamp(left, milliseconds(0), process::SignalWait::kTick)));
+    look_for_the_end();
     if (left <= milliseconds(0)) return;
   }
 }

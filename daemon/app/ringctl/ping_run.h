@@ -60,6 +60,7 @@ class PingRun {
  private:
   bool over() const;
   void send_one();
+  void look_for_the_end();
   void wait_for_result(std::uint32_t token);
   void wait_for_turn(std::uint64_t number);
 
