@@ -43,6 +43,7 @@ void CpuFaults::crash(const Done& done) {
 
 void CpuFaults::reset(const Done& done) {
   const CpuStatus before = cpu_.status();
+  if (before.state == wire::CpuState::none) return done("no CPU is there");
   const CpuActionResult report = cpu_.reset("fault");
   if (!report.done) return done(report.message);
   if (!report.comes_back) return done("");

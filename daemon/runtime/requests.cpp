@@ -131,6 +131,8 @@ void Requests::ping(const Json& request, const Answer& answer) {
 void Requests::reset(const Json& request, const Answer& answer) {
   const config::NodeConfig* target = &node_in(to_.ring, request, "node");
   const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
+  if (target->cpu.kind == config::CpuConfig::Kind::none)
+    throw RequestError("node " + target->name + " has no CPU to reset");
   const std::uint8_t factor = factor_of(*target, Action::reset, "reset");
   if (!to_.interrupts.has_room_for_reset())
     throw RequestError("this node waits for " + std::to_string(DaemonInterrupts::kMostResets) + " resets already");

@@ -79,7 +79,9 @@ class Reset(RingTest):
         self.assertTrue(self.ctl_json('reset', 0, '--from', 0, '--timeout', 30)['success'])
 
     def test_a_reset_is_not_judged_by_the_interrupt_of_an_earlier_one_that_has_timed_out(self):
-        daemons = self.start_ring(limb_at(1, count=4))
+        nodes = limb_at(1, count=4)
+        nodes[3]['cpu'] = 'attached'
+        daemons = self.start_ring(nodes)
         self.wait_cpu(1, 'running')
         daemons[3].kill()
         self.wait_closed(range(3))
@@ -89,6 +91,14 @@ class Reset(RingTest):
         self.assertEqual(late['effect'], 'unknown', late)
         reset = port.ask({'do': 'reset', 'node': 'node1', 'timeout_ms': 60000}, timeout=ring_process.GUARD)
         self.assertTrue(reset['success'], reset)
+
+    def test_a_reset_where_no_cpu_is_says_so(self):
+        self.start_ring(plain_nodes(2))
+        self.assert_refused('node node1 has no CPU to reset', self.port(0), {'do': 'reset', 'node': 'node1'})
+        for command in (['reset', 'node1'], ['fault', 'reset', 'node1']):
+            done = self.ctl(*command)
+            self.assertEqual(done.returncode, 1, done.stdout)
+            self.assertRegex(done.stderr, 'no CPU')
 
     def test_attached_cpu_that_nobody_restarts_is_said_so(self):
         nodes = plain_nodes(3)
