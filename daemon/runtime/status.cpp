@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "process/process_state.h"
+#include "runtime/descriptor_limit.h"
 #include "runtime/node.h"
 
 namespace limb_ring::runtime {
@@ -221,6 +222,8 @@ json status_row(const StatusSources& from) {
            {"counters", counters_json(from)},
            {"lately_damaged", lately_damaged_json(from)},
            {"heard", heard_json(from)}};
+  const std::string few = too_few_descriptors(from.ring);
+  if (!few.empty()) row["warning"] = few;
   if (driver.has_second_line()) row["fold"] = fold_json(driver);
   if (from.supervisor) row["supervisor"] = supervisor_json(from);
   return row;

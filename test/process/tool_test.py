@@ -129,6 +129,18 @@ class Tools(RingTest):
                 unanswered += 1
         self.assertGreater(unanswered, 0)
 
+    def test_a_daemon_with_too_few_descriptors_says_so_in_its_log_and_its_status(self):
+        def few_descriptors():
+            resource.setrlimit(resource.RLIMIT_NOFILE, (48, 48))
+        words = r'only 48 file descriptors may be open \(ulimit -n\), this node needs up to \d+'
+        config = self.write_ring(plain_nodes(2))
+        up = self.ctl('up', config, '--detach', '--timeout', 60, preexec_fn=few_descriptors)
+        self.addCleanup(self.ctl, 'down', self.ring)
+        self.assertEqual(up.returncode, 0, up.stderr)
+        self.assertRegex(self.ctl('status').stdout, 'node0, node1: ' + words)
+        with open(os.path.join(self.ring_folder(), '0.log')) as log:
+            self.assertEqual(len(re.findall(words, log.read())), 1)
+
     def test_a_ring_that_is_frozen_as_a_whole_is_shown_and_thawed(self):
         daemons = self.start_ring(plain_nodes(3))
         for daemon in daemons.values():

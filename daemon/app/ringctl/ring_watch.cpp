@@ -13,6 +13,9 @@ namespace {
 
 std::string knows_ring_of(std::size_t size) { return "it knows a ring of " + std::to_string(size) + " nodes"; }
 
+/// What may be the reason.
+std::string warning_of(const json& row) { return row.contains("warning") ? " (" + row.value("warning", "") + ")" : ""; }
+
 /// Also after a stop it runs.
 std::string lack_of_cpu(const json& row) {
   const json cpu = row.value("cpu", json::object());
@@ -33,7 +36,7 @@ std::string lack_elsewhere(const json& row) {
 std::string lack_of_node(const json& row, std::size_t nodes) {
   const std::string state = row.value("state", "unknown");
   if (row.contains("unanswered")) return "it has not answered: " + row.value("unanswered", "");
-  if (state != "up") return "it is " + state;
+  if (state != "up") return "it is " + state + warning_of(row);
   if (row.value("elsewhere", false)) return lack_elsewhere(row);
   const std::size_t size = row.value("ring_size", std::size_t{0});
   if (size != nodes) return knows_ring_of(size) + ", not " + std::to_string(nodes);
@@ -43,7 +46,7 @@ std::string lack_of_node(const json& row, std::size_t nodes) {
 
 std::string lack_in_part(const json& row, std::size_t nodes) {
   const std::string state = row.value("state", "unknown");
-  if (state == "starting" || state == "joining" || state == "duplicate_id") return "it is " + state;
+  if (state == "starting" || state == "joining" || state == "duplicate_id") return "it is " + state + warning_of(row);
   const std::size_t size = row.value("ring_size", std::size_t{0});
   if (state != "open_chain" && size < nodes)
     return knows_ring_of(size) + "; " + std::to_string(nodes) + " are on this host";

@@ -1,6 +1,7 @@
 #include "app/ringctl/status_rows.h"
 
 #include <algorithm>
+#include <map>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/supervision.h"
@@ -176,6 +177,18 @@ std::string unanswered_report(const std::vector<json>& rows) {
   for (const json& row : rows)
     if (row.contains("unanswered"))
       text += "no answer from " + row.value("name", "") + ": " + row.value("unanswered", "") + '\n';
+  return text;
+}
+
+std::string warning_report(const std::vector<json>& rows) {
+  std::map<std::string, std::string> names;  // by what is said
+  for (const json& row : rows) {
+    if (!row.contains("warning")) continue;
+    std::string& all = names[row.value("warning", "")];
+    all += (all.empty() ? "" : ", ") + row.value("name", "");
+  }
+  std::string text;
+  for (const auto& [warning, all] : names) text += all + ": " + warning + '\n';
   return text;
 }
 

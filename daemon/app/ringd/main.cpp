@@ -19,6 +19,7 @@
 #include "event_loop/packet_loop.h"
 #include "process/standard_descriptors.h"
 #include "runtime/daemon_node.h"
+#include "runtime/descriptor_limit.h"
 #include "runtime/realtime.h"
 #include "setup/core_settings.h"
 #include "sim/trace.h"
@@ -58,6 +59,8 @@ int run(const config::RingConfig& ring, const config::NodeConfig& config) {
   boost::asio::io_context io(1);
   runtime::Node node(io, ring, config, runtime::daemon_base(io, ring, config));
   runtime::apply_realtime(ring, setup::index_of(ring, config));
+  const std::string few = runtime::too_few_descriptors(ring);
+  if (!few.empty()) spdlog::warn("{}", few);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   end_on_signals(signals, io, node);
   node.start();

@@ -33,6 +33,7 @@ TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
   const std::vector<std::pair<json, std::string>> lacks{
       {{{"state", "folded"}}, "it is folded"},
       {{{"state", "down"}}, "it is down"},
+      {{{"state", "starting"}, {"warning", "too few"}}, "it is starting (too few)"},
       {{{"state", "unanswered"}, {"unanswered", "too busy"}}, "it has not answered: too busy"},
       {{{"ring_size", 1}}, "it knows a ring of 1 nodes, not 2"},
       {{{"fold", {{"second_input", "down"}}}}, "its second line in is broken"},

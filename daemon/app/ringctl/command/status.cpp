@@ -43,7 +43,8 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
   const std::string heading = headline(ring.ring(), rows) + clock_words(ring_clock(ring.ring()));
   std::cout << app::wrapped(heading, style.width) << status_table(rows, style)
-            << app::wrapped(line_report(rows) + unanswered_report(rows) + stop_report(rows) + supervision_text(rows),
+            << app::wrapped(line_report(rows) + unanswered_report(rows) + warning_report(rows) + stop_report(rows) +
+                                supervision_text(rows),
                             style.width);
 }
 

@@ -120,9 +120,9 @@ TopStyle style() {
 
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
                   const TopStyle& style) {
-  return top_table(
-      headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
-      line_report(now.rows) + unanswered_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
+  return top_table(headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
+                   line_report(now.rows) + unanswered_report(now.rows) + warning_report(now.rows) +
+                       stop_report(now.rows) + supervision_text(now.rows));
 }
 
 nlohmann::json json_of(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows) {
