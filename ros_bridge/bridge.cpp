@@ -10,6 +10,9 @@ namespace {
 // Ten times per alive_period of the bridge.
 const ros::WallDuration kAlive{0.1};
 
+/// So that nobody who sends a stop waits for this CPU to say that it has stopped. (daemon/host/requests.md)
+constexpr const char* kLatchesNoStop = R"({"do": "stop_latched", "latched": "never"})";
+
 void tell_connection(const ConnectOptions& daemon, const std::string& problem) {
   if (!problem.empty())
     ROS_WARN("node '%s': %s (trying again)", daemon.node.c_str(), problem.c_str());
@@ -46,6 +49,9 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.daemon, port_, commands_)) {
   make_topics();
   port_.on_connection([daemon = parameters_.daemon](const auto& problem) { tell_connection(daemon, problem); });
+  port_.on_connection([this](const std::string& problem) {
+    if (problem.empty() && parameters_.daemon.role == Role::cpu) port_.request(kLatchesNoStop);
+  });
   port_.on_interrupt([this](const Interrupt& interrupt) { tell_interrupt(interrupt); });
   if (parameters_.tells_time) port_.on_time([this](std::chrono::nanoseconds now) { tell_time(now); });
   if (parameters_.follows) follower_.emplace(nodes_, parameters_.daemon, port_.ros_clock());

@@ -98,6 +98,13 @@ std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& r
   return stops;
 }
 
+bool may_say_so(const Rows& rows, const KnownStop& stop) {
+  if (stop.state == StopState::unknown) return !lately_heard(rows, stop.node.id).is_null();
+  const auto row = rows.find(stop.node.id);
+  const bool latches = row == rows.end() || stop_in(row->second).value("latches", true);
+  return latches && (stop.state == StopState::told || stop.state == StopState::silent);
+}
+
 milliseconds age_on_virtual_ring(const Rows& rows, milliseconds age) {
   std::optional<milliseconds> last;
   for (const auto& [id, row] : rows) {
@@ -130,11 +137,7 @@ class StopPoll {
     return stops;
   }
 
-  /// Nothing is known yet that a beacon could not still tell.
-  bool may_say_so(const KnownStop& stop) const {
-    if (stop.state == StopState::unknown) return !lately_heard(rows_, stop.node.id).is_null();
-    return stop.state == StopState::told || stop.state == StopState::silent;
-  }
+  const Rows& rows() const { return rows_; }
 
  private:
   bool has_booted_again(std::uint8_t node) {
@@ -175,7 +178,7 @@ std::vector<KnownStop> wait_until_reached(const SentStop& stop) {
 
 std::vector<KnownStop> wait_for_stops(const SentStop& stop) {
   return polled(stop, [](const StopPoll& poll, const KnownStop& one, auto waited) {
-    return (poll.may_say_so(one) && waited < kToSaySo) || is_under_way(one, waited);
+    return (may_say_so(poll.rows(), one) && waited < kToSaySo) || is_under_way(one, waited);
   });
 }
 

@@ -32,6 +32,9 @@ struct KnownStop {
 std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, std::chrono::milliseconds age,
                                    bool delivered = false);
 
+/// Its CPU, or a beacon, could still say that it has stopped.
+bool may_say_so(const Rows& rows, const KnownStop& stop);
+
 /// The age, by the ring's clock, of a stop that was delivered: that of the pin that was pulled last, and what has
 /// passed since. A virtual ring that catches up is ahead of our clock.
 /// @param age by our clock
@@ -48,8 +51,8 @@ struct SentStop {
 
 /// Polls for 200 ms at most, until no node counts as not reached: in an open chain a stop may still be under way.
 std::vector<KnownStop> wait_until_reached(const SentStop& stop);
-/// Polls for 1 s at most, until every CPU that was told says that it has stopped. Waits for a node that was not reached
-/// no longer than wait_until_reached() does.
+/// Polls for 1 s at most, until every CPU that was told, and latches stops, says that it has stopped. Waits for a node
+/// that was not reached no longer than wait_until_reached() does.
 std::vector<KnownStop> wait_for_stops(const SentStop& stop);
 
 /// Who should stop all next, where parts of the ring were not reached: a node from where a stop goes down as much of an

@@ -94,6 +94,7 @@ void CpuSocket::drop_client() {
 void CpuSocket::forget(const host::ClientInfo& client) {
   if (stop_.latched) spdlog::warn("{}the stop that was latched here ends with its CPU", log_prefix_);
   stop_latched(false);
+  stop_.latches = true;
   driver_.set_cpu_present(false);
   driver_.cpu_reset(client.id);
 }

@@ -47,11 +47,14 @@ class CpuSocket final : private CpuEvents {
   /// What is known of stop pins that were pulled.
   struct Stop {
     bool latched = false;      ///< by the CPU's own word
+    bool latches = true;       ///< unless the CPU has said that it never does
     std::uint64_t pulled = 0;  ///< times since the daemon's start
     std::optional<core::Time> pulled_at;
   };
   /// The CPU says that a stop is latched, or that it has resumed. One that has just been started has nothing latched.
   void stop_latched(bool latched);
+  /// The CPU says that it never latches one, so that nobody waits for its word.
+  void never_latches_stops() { stop_.latches = false; }
   /// The node's clock was latched: the next beacon says so.
   void clock_latched(const wire::ClockLatch& latch);
   const Stop& stop_state() const { return stop_; }

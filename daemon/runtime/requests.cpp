@@ -106,9 +106,13 @@ void Requests::status(const Json&, const Answer& answer) {
 // Only the CPU knows: a command that resumes may come too late, or from before the stop.
 void Requests::stop_latched(const Json& request, bool of_cpu, const Answer& answer) {
   if (!of_cpu) throw RequestError("stop_latched is for the node's CPU alone");
-  if (!request.contains("latched") || !request["latched"].is_boolean())
-    throw RequestError("'latched' is missing or no truth value; allowed: true, false");
-  to_.cpu.stop_latched(request["latched"].get<bool>());
+  const Json latched = request.value("latched", Json());
+  if (latched == "never")
+    to_.cpu.never_latches_stops();
+  else if (latched.is_boolean())
+    to_.cpu.stop_latched(latched.get<bool>());
+  else
+    throw RequestError("'latched' is missing or none of these; allowed: true, false, \"never\"");
   answer(Json::object());
 }
 

@@ -14,6 +14,7 @@ using nlohmann::json;
 json stop_json(const CpuSocket::Stop& stop, core::Time now) {
   using std::chrono::duration_cast, std::chrono::milliseconds;
   return {{"latched", stop.latched},
+          {"latches", stop.latches},
           {"pulled", stop.pulled},
           {"pulled_ms", stop.pulled_at ? json(duration_cast<milliseconds>(now - *stop.pulled_at).count()) : json()}};
 }

@@ -26,6 +26,15 @@ TEST(KnownStops, SayOfEachNodeWhatIsKnown) {
   EXPECT_THAT(states, testing::ElementsAre("stopped", "told", "not_reached", "no_cpu", "unknown"));
 }
 
+TEST(KnownStops, OfACpuThatNeverLatchesAreNotWaitedFor) {
+  Rows rows = kRows;
+  EXPECT_TRUE(may_say_so(rows, {kNodes[1], StopState::told}));
+  EXPECT_FALSE(may_say_so(rows, {kNodes[0], StopState::stopped}));
+  rows[1]["cpu"]["stop"]["latches"] = false;
+  EXPECT_FALSE(may_say_so(rows, {kNodes[1], StopState::told}));
+  EXPECT_FALSE(may_say_so(rows, {kNodes[4], StopState::unknown})) << "no beacon of it is heard";
+}
+
 json hears(bool latched, const char* cpu, int age_ms) {
   json row = kRows.at(0);
   row["heard"] = {{{"id", 4}, {"age_ms", age_ms}, {"cpu_state", cpu}, {"stop_latched", latched}}};

@@ -187,6 +187,20 @@ class Stop(LimbRing):
         self.start_limbs()
         self.assert_refused("for the node's CPU alone|no request", self.port(0), {'do': 'stop_latched', 'latched': True})
 
+    def test_a_cpu_that_never_latches_a_stop_says_so_and_the_next_one_may(self):
+        nodes = limbs(4)
+        nodes[3]['cpu'] = 'attached'
+        self.start_ring(nodes)
+        cpu = self.port(3, role='cpu')
+        self.assert_refused('allowed: true, false, "never"', cpu, {'do': 'stop_latched', 'latched': 'no'})
+        cpu.ask({'do': 'stop_latched', 'latched': 'never'})
+        self.assertFalse(self.row(3)['cpu']['stop']['latches'])
+        stop = self.ctl('stop', 'node3')
+        self.assertEqual(stop.returncode, 0, stop.stdout)
+        self.assertIn('told, but the CPU does not say whether it has stopped: node3', stop.stdout)
+        cpu.close()
+        self.wait('the CPU to be gone', lambda: self.row(3)['cpu']['stop']['latches'])
+
 
 class Reasons(RingTest):
     def test_a_refusal_has_the_reason_that_its_destination_counted(self):
