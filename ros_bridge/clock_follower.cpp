@@ -11,7 +11,8 @@ using nlohmann::json;
 constexpr auto kFollowConnect = 1s;
 constexpr auto kFollowAnswer = 10s;
 constexpr auto kFollowRetry = 200ms;
-constexpr double kNsPerSecond = 1e9;  // ns
+constexpr auto kTellThatItWaits = 5s;  // of the machine's clock, each time
+constexpr double kNsPerSecond = 1e9;   // ns
 
 }  // namespace
 
@@ -44,7 +45,13 @@ void ClockFollower::on_clock(const rosgraph_msgs::Clock& message) {
 
 std::optional<std::int64_t> ClockFollower::await_time() {
   std::unique_lock<std::mutex> lock(mutex_);
-  wake_.wait(lock, [this] { return stopping_ || newest_ns_; });
+  const auto is_over = [this] { return stopping_ || newest_ns_; };
+  // Once it has begun it may stand for long, as a simulation does that is paused.
+  while (!zero_ns_ && !wake_.wait_for(lock, kTellThatItWaits, is_over))
+    ROS_WARN("the ring's time stands at 0 and waits for /clock, which %s",
+             subscriber_.getNumPublishers() == 0 ? "nobody publishes; Gazebo, or rosbag play --clock, would"
+                                                 : "has a publisher that is silent; it may be paused");
+  wake_.wait(lock, is_over);
   return stopping_ ? std::nullopt : std::exchange(newest_ns_, std::nullopt);
 }
 

@@ -52,6 +52,7 @@ class FollowClock(unittest.TestCase):
         others = [Newest(topic, kind) for topic, kind in (
             ('sensors/knee_imu', Imu), ('ring_status', RingStatus), ('ring_events', RingEvent), ('ring_frames', Frame),
             ('/diagnostics', DiagnosticArray))]
+        wait_for(lambda: any('waits for /clock, which nobody publishes' in line for line in said), 'the word that it waits')
         clock = OuterClock(START)
         self.addCleanup(clock.end)
 
