@@ -66,8 +66,7 @@ process::SpawnRequest CpuProcess::request() const {
 }
 
 void CpuProcess::start_child() {
-  child_killed_ = boot_failed_ = has_booted_ = fatal_sent_ = false;
-  end_.reset();
+  last_ = {};
   const auto& command = options_.cpu.command;
   const std::string name = command.empty() ? "" : command.front();
   const std::string path = process::find_program(name, options_.program_folder);
@@ -79,12 +78,14 @@ void CpuProcess::start_found(const std::string& path) {
   process::SpawnRequest child = request();
   child.path = path;
   child_.start(child, [this](const process::ExitStatus& status) { child_ended(status); });
-  started_at_ = clock_.now();
+  last_.started_at = clock_.now();
   watch_boot();
   changed();
 }
 
-milliseconds CpuProcess::ran() const { return std::chrono::duration_cast<milliseconds>(clock_.now() - started_at_); }
+milliseconds CpuProcess::ran() const {
+  return std::chrono::duration_cast<milliseconds>(clock_.now() - last_.started_at);
+}
 
 void CpuProcess::could_not_start(const process::ExitStatus& why) {
   did_not_boot(why.text);
@@ -96,8 +97,8 @@ void CpuProcess::watch_boot() {
 }
 
 void CpuProcess::boot_timed_out() {
-  if (!child_.running() || child_killed_ || attached_) return;
-  boot_failed_ = true;
+  if (!child_.running() || last_.was_reset || attached_) return;
+  last_.boot_failed = true;
   child_.signal_group(SIGKILL);
 }
 
@@ -106,12 +107,12 @@ void CpuProcess::child_ended(const process::ExitStatus& status) {
   const bool was_cpu = attached_ && attached_->process().ended();
   if (was_cpu && !on_virtual_ring()) attached_.reset();
   if (stopping_) return stopped();
-  if (child_killed_) return start_child();
-  end_ = status;
+  if (last_.was_reset) return start_child();
+  last_.end = status;
   if (!on_virtual_ring()) return see_end();
-  if (was_cpu) return;                              // detached() is to come
-  const bool at_once = has_booted_ || fatal_sent_;  // time stands until such a signal has taken effect
-  see_end_at(at_once ? clock_.now() : std::max(clock_.now(), started_at_ + options_.boots_for));
+  if (was_cpu) return;                                        // detached() is to come
+  const bool at_once = last_.has_booted || last_.fatal_sent;  // time stands until such a signal has taken effect
+  see_end_at(at_once ? clock_.now() : std::max(clock_.now(), last_.started_at + options_.boots_for));
 }
 
 // On a virtual ring by its clock: what the end of the connection has changed, as sends that are cancelled, comes before
@@ -119,9 +120,9 @@ void CpuProcess::child_ended(const process::ExitStatus& status) {
 void CpuProcess::see_end_at(Time when) { end_timer_->expires_at(when); }
 
 void CpuProcess::see_end() {
-  if (!end_ || stopping_) return;
-  const process::ExitStatus status = *std::exchange(end_, std::nullopt);
-  if (boot_failed_)
+  if (!last_.end || stopping_) return;
+  const process::ExitStatus status = *std::exchange(last_.end, std::nullopt);
+  if (last_.boot_failed)
     did_not_boot("did not attach to the host port within " + std::to_string(options_.boot_timeout.count()) + " ms");
   else if (!status.executed)
     did_not_boot(status.text);
@@ -160,12 +161,11 @@ void CpuProcess::restart_due() {
 
 bool CpuProcess::attached(pid_t pid, bool restarted_by_owner, milliseconds alive_period) {
   process::ProcessHandle process(pid, options_.by);
-  const bool dying =
-      (pid == killed_.pid() && !killed_.ended()) || ((child_killed_ || boot_failed_) && child_.owns(pid));
+  const bool dying = (pid == killed_.pid() && !killed_.ended()) || (last_.is_being_killed() && child_.owns(pid));
   if (stopping_ || dying || process.ended()) return false;
   attached_.emplace(std::move(process), restarted_by_owner, alive_period, clock_.now());
   boot_timer_.cancel();
-  has_booted_ = true;
+  last_.has_booted = true;
   failed_ = silent_ = false;
   ++counts_.boots;
   watch_silence();
@@ -177,7 +177,7 @@ void CpuProcess::detached(pid_t pid) {
   if (!attached_ || attached_->pid() != pid) return;
   attached_.reset();
   silence_timer_->cancel();
-  if (end_) return see_end_at(clock_.now());
+  if (last_.end) return see_end_at(clock_.now());
   if (child_.running() && !stopping_) watch_boot();
   changed();
 }
@@ -231,8 +231,8 @@ CpuActionResult CpuProcess::reset_child() {
   restart_timer_->cancel();
   end_timer_->cancel();
   failed_ = false;
-  child_killed_ = child_.running();
-  if (child_killed_)
+  last_.was_reset = child_.running();
+  if (last_.was_reset)
     child_.signal_group(SIGKILL);
   else
     start_child();
@@ -259,7 +259,7 @@ CpuActionResult CpuProcess::signal(int number) {
   const process::ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
   const process::ProcessHandle& process = attached_ ? attached_->process() : child;
   if (!process.signal(number)) return {false, false, "no CPU is there"};
-  fatal_sent_ = fatal_sent_ || is_fatal(number);
+  last_.fatal_sent = last_.fatal_sent || is_fatal(number);
   if (options_.on_signal) options_.on_signal(number);
   const std::string name = std::to_string(number) + " (" + ::strsignal(number) + ")";
   return {true, false, "sent signal " + name + " to pid " + std::to_string(process.pid())};
@@ -320,7 +320,7 @@ CpuKind CpuProcess::kind() const {
 
 wire::CpuState CpuProcess::state() const {
   if (attached_) return silent_ ? wire::CpuState::silent : wire::CpuState::running;
-  if (child_.running() || end_) return wire::CpuState::booting;
+  if (child_.running() || last_.end) return wire::CpuState::booting;
   if (kind() == CpuKind::none) return wire::CpuState::none;
   return failed_ ? wire::CpuState::failed : wire::CpuState::absent;
 }
@@ -332,8 +332,9 @@ CpuStatus CpuProcess::status() const {
   status.kind = kind();
   status.state = state();
   status.pid = pid();
-  status.unsettled = on_virtual_ring() && (child_.running() || end_) && has_booted_ && !child_killed_ && !attached_;
-  status.ending = child_.running() && (child_killed_ || boot_failed_);
+  status.unsettled =
+      on_virtual_ring() && (child_.running() || last_.end) && last_.has_booted && !last_.was_reset && !attached_;
+  status.ending = child_.running() && last_.is_being_killed();
   if (!attached_) return status;
   status.silent = attached_->silent_for(clock_.now());
   status.alive_period = attached_->alive_period();

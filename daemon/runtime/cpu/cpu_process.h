@@ -115,6 +115,18 @@ class CpuProcess {
   const PinCommands::Counters& command_counters() const { return commands_.counters(); }
 
  private:
+  /// The child that was started last.
+  struct LastChild {
+    Time started_at{};
+    bool has_booted = false;                 ///< it has attached
+    bool was_reset = false;                  ///< it is being killed, and started again when it is gone
+    bool boot_failed = false;                ///< it is being killed because it did not attach
+    bool fatal_sent = false;                 ///< it was sent a signal that ends it
+    std::optional<process::ExitStatus> end;  ///< not seen yet
+
+    bool is_being_killed() const { return was_reset || boot_failed; }
+  };
+
   wire::CpuState state() const;
   CpuKind kind() const;
   pid_t pid() const;
@@ -154,16 +166,11 @@ class CpuProcess {
   process::BackOff back_off_;
   boost::asio::steady_timer boot_timer_, stop_timer_;
   std::unique_ptr<event_loop::Timer> restart_timer_, silence_timer_, end_timer_;
-  Time started_at_{};  ///< the last child
-  Time silence_at_{};  ///< when that one runs out
+  Time silence_at_{};  ///< when silence_timer_ runs out
   std::optional<AttachedCpu> attached_;
-  process::ProcessHandle killed_;           ///< an attached process on its way out
-  std::optional<process::ExitStatus> end_;  ///< of the child, not seen yet
-  bool has_booted_ = false;                 ///< the child has attached
-  bool child_killed_ = false;               ///< ... and the child: started again when it is gone
-  bool fatal_sent_ = false;                 ///< the child was sent a signal that ends it
-  bool boot_failed_ = false;                ///< the child is being killed because it did not attach
-  bool failed_ = false;                     ///< the last child ended badly
+  process::ProcessHandle killed_;  ///< an attached process on its way out
+  LastChild last_;
+  bool failed_ = false;  ///< the last child ended badly, or could not be started
   bool silent_ = false;
   bool stopping_ = false;
   bool event_posted_ = false;
