@@ -10,6 +10,10 @@ from ring_process import RingTest, plain_nodes
 from limb_ring import BROADCAST, Disconnected, HostPortError, Observed, Packet, Result
 
 
+def few_descriptors(limit):
+    return lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (limit, limit))
+
+
 class Tools(RingTest):
     def test_each_client_gets_its_own_results(self):
         self.start_ring(plain_nodes(3))
@@ -120,9 +124,7 @@ class Tools(RingTest):
         self.start_ring(plain_nodes(8))
         unanswered = 0
         for limit in range(4, 14):
-            def few_descriptors():
-                resource.setrlimit(resource.RLIMIT_NOFILE, (limit, limit))
-            status = self.ctl('status', preexec_fn=few_descriptors)
+            status = self.ctl('status', preexec_fn=few_descriptors(limit))
             self.assertNotIn(' down ', status.stdout)
             if status.returncode != 0 or 'unanswered' in status.stdout:
                 self.assertIn('Too many open files', status.stdout + status.stderr)
@@ -130,16 +132,21 @@ class Tools(RingTest):
         self.assertGreater(unanswered, 0)
 
     def test_a_daemon_with_too_few_descriptors_says_so_in_its_log_and_its_status(self):
-        def few_descriptors():
-            resource.setrlimit(resource.RLIMIT_NOFILE, (48, 48))
         words = r'only 48 file descriptors may be open \(ulimit -n\), this node needs up to \d+'
         config = self.write_ring(plain_nodes(2))
-        up = self.ctl('up', config, '--detach', '--timeout', 60, preexec_fn=few_descriptors)
+        up = self.ctl('up', config, '--detach', '--timeout', 60, preexec_fn=few_descriptors(48))
         self.addCleanup(self.ctl, 'down', self.ring)
         self.assertEqual(up.returncode, 0, up.stderr)
         self.assertRegex(self.ctl('status').stdout, 'node0, node1: ' + words)
         with open(os.path.join(self.ring_folder(), '0.log')) as log:
             self.assertEqual(len(re.findall(words, log.read())), 1)
+
+    def test_an_up_without_descriptors_fails_with_the_reason(self):
+        config = self.write_ring(plain_nodes(2))
+        for limit in range(4, 8):
+            up = self.ctl('up', config, '--detach', preexec_fn=few_descriptors(limit))
+            self.assertEqual(up.returncode, 1, up.stderr)
+            self.assertIn('Too many open files', up.stderr)
 
     def test_a_ring_that_is_frozen_as_a_whole_is_shown_and_thawed(self):
         daemons = self.start_ring(plain_nodes(3))

@@ -47,7 +47,10 @@ UpLock::UpLock(const std::string& ring, const std::string& host)
 }
 
 UpLock::~UpLock() {
-  if (file_ && folder_is_new_) tidy_folder(ring_);
+  try {
+    if (file_ && folder_is_new_) tidy_folder(ring_);
+  } catch (const std::system_error&) {  // what cannot be looked at, for want of descriptors, stays
+  }
   release();
 }
 
