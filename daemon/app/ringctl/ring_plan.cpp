@@ -73,7 +73,7 @@ std::vector<std::string> RingPlan::arguments_of(const NodeName& node) const {
   return all;
 }
 
-live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime, bool logged) {
+live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime) {
   live::LaunchRequest request;
   request.ring = plan.ring;
   if (plan.is_virtual) {
@@ -84,7 +84,7 @@ live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifet
       request.nodes.push_back({wire::NodeId{node.id}, node.name, plan.arguments_of(node)});
   }
   request.lifetime = lifetime;
-  request.logged = logged;
+  request.logged = lifetime != process::Lifetime::asked_to_end;
   return request;
 }
 

@@ -46,8 +46,9 @@ struct RingPlan {
   std::vector<std::string> arguments_of(const NodeName& node) const;
 };
 
-/// One ringd for each node of the plan, or one for all.
-live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime, bool logged);
+/// One ringd for each node of the plan, or one for all. Those that are asked to end with this process write to its
+/// output, others into log files.
+live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime);
 
 /// @throw config::ConfigError, UsageError
 RingPlan plan_ring(const UpRequest& given);

@@ -130,20 +130,20 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process
 
 }  // namespace
 
-std::optional<process::Program> start_keeper(const RingPlan& plan, bool detached) {
+std::optional<process::Program> start_keeper(const RingPlan& plan, process::Lifetime lifetime) {
   if (plan.keeper.empty()) return std::nullopt;
   process::ProgramRequest request;
   request.name = process::own_folder() + "/ringctl";
   request.arguments = plan.keeper;
-  request.lifetime = detached ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
-  if (detached) request.log = ring_directory(plan.ring) + "/keep.log";
+  request.lifetime = lifetime;
+  if (lifetime == process::Lifetime::its_own) request.log = ring_directory(plan.ring) + "/keep.log";
   return process::Program(request);
 }
 
 int respawn(const RingPlan& plan, UpLock& lock) {
   process::SignalWait signals;
-  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
-  const auto keeper = start_keeper(plan, false);
+  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end));
+  const auto keeper = start_keeper(plan, process::Lifetime::asked_to_end);
   try {
     stay_and_respawn(plan, daemons, signals, lock);
   } catch (const NotDone& problem) {

@@ -19,7 +19,8 @@ void announce(const RingPlan& plan, std::size_t ring_size);
 void end(live::LaunchedRing& daemons, process::SignalWait& signals);
 
 /// Saves recordings when something goes wrong, where the ring's file says so; ends with the ring.
-std::optional<process::Program> start_keeper(const RingPlan& plan, bool detached);
+/// @param lifetime its own: it writes into keep.log in the ring's folder
+std::optional<process::Program> start_keeper(const RingPlan& plan, process::Lifetime lifetime);
 
 /// Until a signal, or until all daemons have ended by themselves (ringctl down).
 /// @param has_end the ring ends when its time is over; its folder goes then, unless 'ringctl down' has removed it

@@ -95,7 +95,7 @@ int run(const RingPlan& plan, const UpOptions& options) {
   if (options.respawn) return respawn(plan, lock);
   process::SignalWait signals;
   const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
-  live::LaunchedRing daemons(launch_request(plan, lifetime, options.detach));
+  live::LaunchedRing daemons(launch_request(plan, lifetime));
   RingWatch watch(plan);
   const std::string problem = wait_until_closed(plan, watch, daemons, signals, options.timeout_s);
   if (!problem.empty()) {
@@ -110,7 +110,7 @@ int run(const RingPlan& plan, const UpOptions& options) {
     announce(plan, watch.ring_size());
   else
     std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
-  const auto keeper = start_keeper(plan, options.detach);
+  const auto keeper = start_keeper(plan, lifetime);
   if (options.detach) return kDone;
   return stay(plan, daemons, signals, options.lasts_s > 0);
 }

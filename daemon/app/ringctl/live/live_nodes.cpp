@@ -42,7 +42,7 @@ void LiveNodes::start(std::size_t place) {
   if (nodes_[place].daemons) return;
   RingPlan one = plan_;
   one.nodes = {plan_.nodes[place]};
-  nodes_[place].daemons = std::make_unique<live::LaunchedRing>(launch_request(one, process::Lifetime::killed, true));
+  nodes_[place].daemons = std::make_unique<live::LaunchedRing>(launch_request(one, process::Lifetime::killed));
 }
 
 void LiveNodes::kill(std::size_t place) {
