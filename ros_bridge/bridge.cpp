@@ -51,6 +51,9 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
   port_.on_connection([daemon = parameters_.daemon](const auto& problem) { tell_connection(daemon, problem); });
   port_.on_connection([this](const std::string& problem) {
     if (problem.empty() && parameters_.daemon.role == Role::cpu) port_.request(kLatchesNoStop);
+    if (problem.empty() && ros::Time::isSimTime() && !parameters_.follows && !port_.in_lockstep())
+      ROS_WARN(
+          "/use_sim_time is set, but this ring is live: it and its stamps go by the machine's clock, not by /clock");
   });
   port_.on_interrupt([this](const Interrupt& interrupt) { tell_interrupt(interrupt); });
   if (parameters_.tells_time) port_.on_time([this](std::chrono::nanoseconds now) { tell_time(now); });

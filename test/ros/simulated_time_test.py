@@ -7,12 +7,26 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from limb_ring.srv import ResetNode
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import JointState
 
-from ring_testing import Newest, Ring, wait_for
+from ring_testing import Newest, Ring, kill_process, wait_for
 
 
 class SimulatedTime(unittest.TestCase):
+    def test_the_bridge_says_that_a_live_ring_does_not_go_by_it(self):
+        said, ring = [], Ring()
+        rospy.Subscriber('/rosout', Log, lambda line: said.append(line.msg))
+        ring.wait_until_up()
+
+        def is_said():
+            gone = ring.node('body').pid
+            kill_process(gone)   # the bridge says it as it connects
+            ring.wait_for_node('body', lambda node: node.pid not in (0, gone), 'to be there again')
+            ring.wait_until_up()
+            return [line for line in said if '/use_sim_time is set, but this ring is live' in line]
+        wait_for(is_said, 'the warning')
+
     def test_joint_data_diagnostics_and_services_go_by_the_wall_clock(self):
         self.assertEqual(rospy.get_time(), 0, 'ROS time stands still here')
         ring, states = Ring(), Newest('joint_states', JointState)
