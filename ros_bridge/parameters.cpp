@@ -15,6 +15,8 @@ using CpuKind = config::CpuConfig::Kind;
 
 // The spinner's timer calls alive() ten times in this.
 constexpr auto kAlivePeriod = std::chrono::seconds(1);
+const std::vector<std::string> kKnown{"clock", "config",  "frames", "node",       "promises",
+                                      "rate",  "respawn", "ring",   "sample_log", "tf_prefix"};
 constexpr double kMinRate = 0.01, kMaxRate = 1000.0;  // Hz
 
 [[noreturn]] void refuse_type(const std::string& name, const std::string& right, const XmlRpc::XmlRpcValue& given) {
@@ -128,7 +130,29 @@ std::string config_parameter(const ros::NodeHandle& own) {
   return path;
 }
 
+std::vector<std::string> unknown_parameters(XmlRpc::XmlRpcValue own) {
+  std::vector<std::string> unknown;
+  if (own.getType() != XmlRpc::XmlRpcValue::TypeStruct) return unknown;
+  for (auto entry = own.begin(); entry != own.end(); ++entry)
+    if (std::find(kKnown.begin(), kKnown.end(), entry->first) == kKnown.end()) unknown.push_back(entry->first);
+  return unknown;
+}
+
+namespace {
+
+// No refusal: one of an earlier run may still be on the parameter server.
+void warn_of_unknown(const ros::NodeHandle& own) {
+  XmlRpc::XmlRpcValue all;
+  if (!ros::param::get(own.getNamespace(), all)) return;
+  for (const std::string& name : unknown_parameters(all))
+    ROS_WARN("parameter ~%s is unknown, and nobody reads it; there are: %s", config::printable(name).c_str(),
+             config::join(kKnown).c_str());
+}
+
+}  // namespace
+
 Parameters read_parameters(const ros::NodeHandle& own) {
+  warn_of_unknown(own);
   Parameters parameters;
   parameters.ring = config::load_ring(config_parameter(own));
   const auto ring = given_text(own, "ring");

@@ -22,6 +22,7 @@ struct Parameters {
   XmlRpc::XmlRpcValue frames;  ///< what `ring_frames` shows, see FrameFilter
 };
 
+/// Warns of those that nobody reads.
 /// @throw std::invalid_argument, config::ConfigError naming what is wrong and what would be right
 Parameters read_parameters(const ros::NodeHandle& own);
 
@@ -36,6 +37,9 @@ bool flag_parameter(const std::string& name, XmlRpc::XmlRpcValue given, bool usu
 
 /// A value as one writes it: `fast`, `true`, `[1, 2]`, `{at: in}`.
 std::string as_written(XmlRpc::XmlRpcValue value);
+
+/// Those of the private parameters, a map, that nobody reads, such as a misspelt one.
+std::vector<std::string> unknown_parameters(XmlRpc::XmlRpcValue own);
 
 /// What the parameter server has of a private parameter.
 XmlRpc::XmlRpcValue given_parameter(const ros::NodeHandle& own, const std::string& name);

@@ -91,6 +91,15 @@ TEST(Parameter, OfAnotherTypeIsRefusedByName) {
               HasSubstr("~promises must be true or false, and is 'yes'"));
 }
 
+TEST(Parameter, ThatNobodyReadsIsFound) {
+  EXPECT_TRUE(unknown_parameters(XmlRpc::XmlRpcValue()).empty());
+  XmlRpc::XmlRpcValue own;
+  own["config"] = "ring.yaml";
+  own["rate"] = 50.0;
+  own["noed"] = "head";
+  EXPECT_EQ(unknown_parameters(own), std::vector<std::string>{"noed"});
+}
+
 TEST(BridgeNode, IsTheFirstNodeWhereNoneHasAnAttachedCpu) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/plain4.yaml");
   EXPECT_EQ(bridge_node(ring, "").name, "node0");
