@@ -18,6 +18,8 @@ namespace {
 /// Rounds in which a daemon's file is still read after its connection has ended: a daemon that closes its host port
 /// still writes for a moment. (A dead daemon has written all already.)
 constexpr int kLastRounds = 3;
+/// At the end: a daemon that has just been started is looked for four times a second.
+constexpr int kUntilFound = 20;
 
 }  // namespace
 
@@ -54,7 +56,7 @@ void PromiseWatch::poll() {
 }
 
 void PromiseWatch::finish() {
-  for (int i = 0; i <= kLastRounds; ++i) {
+  for (int i = 0; i <= kLastRounds || (i <= kUntilFound && !unwatched().empty()); ++i) {
     poll();
     std::this_thread::sleep_for(kRound);
   }
