@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/answer_shape.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/connect_node.h"
@@ -38,7 +39,7 @@ std::vector<RingHost> hosts_of(const nlohmann::json& config) {
 
 std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
   const auto found = std::find_if(nodes.begin(), nodes.end(), [id](const NodeName& node) { return node.id == id; });
-  if (found == nodes.end()) throw NoRing("a daemon that is not in its own ring: " + std::to_string(id));
+  if (found == nodes.end()) throw HostPortError("a daemon that is not in its own ring: " + std::to_string(id));
   return static_cast<std::size_t>(found - nodes.begin());
 }
 
@@ -46,6 +47,8 @@ std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
 RingDescription described_by(const std::string& ring, const std::string& node, const std::function<void()>& look) {
   HostPort port = connect_node(ring, node, Stay::asks_only, look);
   const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime, look);
+  const std::string wrong = wrong_in_config(config);
+  if (!wrong.empty()) throw HostPortError("node " + node + ": " + sentence_of_shape(wrong));
   RingDescription described;
   described.ring = ring;
   described.nodes = names_of(config);

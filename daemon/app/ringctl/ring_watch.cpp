@@ -1,5 +1,6 @@
 #include "app/ringctl/ring_watch.h"
 
+#include "app/ringctl/answer_shape.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/connect_node.h"
 #include "app/ringctl/node_name.h"
@@ -74,7 +75,8 @@ std::string RingWatch::refusal() {
 json RingWatch::status_of(std::size_t index) {
   auto& port = ports_[index];
   try {
-    return port ? ask(*port, {{"do", "status"}}, kAnswerTime) : json::object();
+    const json status = port ? ask(*port, {{"do", "status"}}, kAnswerTime) : json::object();
+    return wrong_in_row(status, plan_.nodes[index].id).empty() ? status : json::object();
   } catch (const std::exception&) {
     port.reset();
     return json::object();
@@ -86,6 +88,8 @@ std::string RingWatch::lack_of(std::size_t index) {
   try {
     if (!port) port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[index].id)));
     const json status = ask(*port, {{"do", "status"}}, kAnswerTime);
+    const std::string wrong = wrong_in_row(status, plan_.nodes[index].id);
+    if (!wrong.empty()) return sentence_of_shape(wrong);
     ring_size_ = status.value("ring_size", std::size_t{0});
     return (plan_.is_part() ? lack_in_part : lack_of_node)(status, plan_.nodes.size());
   } catch (const std::exception& problem) {

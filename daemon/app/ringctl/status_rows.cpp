@@ -4,6 +4,7 @@
 #include <map>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/answer_shape.h"
 #include "app/ringctl/supervision.h"
 #include "ask/error_counters.h"
 #include "ask/ring_words.h"
@@ -131,7 +132,11 @@ json absent_row(const RingAccess& ring, const std::vector<Answer>& answers, std:
 
 }  // namespace
 
-std::vector<json> complete_rows(const RingAccess& ring, const std::vector<Answer>& answers) {
+std::vector<json> complete_rows(const RingAccess& ring, std::vector<Answer> answers) {
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const std::string wrong = answers[i].said ? wrong_in_row(*answers[i].said, ring.nodes()[i].id) : "";
+    if (!wrong.empty()) answers[i] = {std::nullopt, sentence_of_shape(wrong)};
+  }
   std::vector<json> rows;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     rows.push_back(answers[i].said ? *answers[i].said : absent_row(ring, answers, i));

@@ -17,8 +17,8 @@ nlohmann::json down_row(const NodeName& node);
 /// "frozen" and its pid if its process on this host is stopped; "unanswered", its pid and the reason, if that lives, or
 /// if that cannot be known; `elsewhere`, with state, CPU and clock latch from its beacons, if these are heard and it is
 /// on another host or has never run on this one; else "down".
-/// @param answers to "status", in ring order
-std::vector<nlohmann::json> complete_rows(const RingAccess& ring, const std::vector<Answer>& answers);
+/// @param answers to "status", in ring order; one that is no status row counts as none
+std::vector<nlohmann::json> complete_rows(const RingAccess& ring, std::vector<Answer> answers);
 /// The same of all daemons on this host, asked now.
 std::vector<nlohmann::json> status_rows(const RingAccess& ring, Deadline deadline = kNoDeadline);
 

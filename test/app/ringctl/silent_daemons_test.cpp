@@ -59,6 +59,16 @@ TEST_F(SilentDaemons, AreAskedAtTheSameTimeAndOneThatAnswersIsEnough) {
   EXPECT_EQ(opened.get().source("").name, "node3");
 }
 
+TEST_F(SilentDaemons, ThatAnswerInAnotherShapeAreNamedWithWhatToDo) {
+  auto opened = std::async(std::launch::async, [] { return test::thrown<NoRing>([] { RingAccess::open("r"); }); });
+  const bool at_once = all_are_asked_at_once();
+  for (test::FakeDaemon& daemon : daemons)
+    if (at_once) answer(daemon, R"({"nodes": {"0": "node0"}})");
+  EXPECT_THAT(opened.get(),
+              HasSubstr("its daemon answers otherwise than this ringctl expects: 'nodes' is no list; both "
+                        "have to be of one version of limb_ring"));
+}
+
 TEST_F(SilentDaemons, AreWaitedForUntilTheDeadline) {
   const auto late = [] { RingAccess::open("r", {}, steady_clock::now() + milliseconds(100)); };
   EXPECT_THAT(test::thrown<NoRing>(late), HasSubstr("node 0 does not answer"));

@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
+#include "app/ringctl/answer_shape.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/names_to_complete.h"
 #include "app/ringctl/other_host.h"
@@ -77,6 +79,8 @@ int act(const Context& context) {
     return failed(problem, kUnknown);
   } catch (const HostPortError& problem) {
     return failed(problem, kNoRing);
+  } catch (const nlohmann::json::exception& problem) {
+    return failed(std::runtime_error("a daemon: " + sentence_of_shape(problem.what())), kNoRing);
   } catch (const std::exception& problem) {
     return failed(problem, kNotDone);
   }

@@ -56,7 +56,7 @@ class StatusPoll {
     const auto deadline = steady_clock::now() + kAnswerWait;
     for (std::size_t i = 0; i < ports_.size(); ++i)
       if (tokens[i]) answers[i] = answer(i, *tokens[i], deadline);
-    sample.rows = complete_rows(ring_, answers);
+    sample.rows = complete_rows(ring_, std::move(answers));
     sample.clock = ring_clock(ring_.ring());
     return sample;
   }

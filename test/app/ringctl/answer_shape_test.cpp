@@ -1,0 +1,109 @@
+// Answers of daemons of another version, or of what is no ringd: named, and never read.
+#include "app/ringctl/answer_shape.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/ringctl/line_report.h"
+#include "app/ringctl/ring_watch.h"
+#include "app/ringctl/status_rows.h"
+#include "app/ringctl/status_table.h"
+#include "app/ringctl/supervision.h"
+#include "app/ringctl/top_table.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+/// As a daemon answers that has something to say of everything.
+json row() {
+  return json::parse(R"({"id": 1, "name": "knee", "state": "up", "pid": 4711, "ring": "r", "ring_size": 2,
+    "uptime_s": 12.5, "cpu": {"kind": "child", "pid": 4712, "boots": 1, "state": "running", "stopped": false,
+    "stop": {"latched": false}}, "input": {"state": "up", "from": 0}, "output": {"state": "up", "to": 0, "rate_bit_s": null},
+    "round_trip_us": {"p50": 61.2, "p99": 90.0, "max": 120.4}, "broken_line": {"before": 0, "behind": 1, "since_s": 1.5,
+    "announced_ms": 2.5}, "faults": [{"id": 1, "fault": "cut a -> b"}], "refusals": [{"refused": 1, "by": 0, "text": "no"}],
+    "counters": {"crc_errors": 1}, "lately_damaged": {"within_s": 10, "oldest_s": 3.2, "crc_errors": 4, "returns_damaged": 1},
+    "heard": [{"id": 0, "age_ms": 20, "cpu_state": "running", "cpu_boots": 1, "stop_latched": false, "input": "up",
+    "output": "up", "broken_line": {"before": 0, "behind": 1}}], "fold": {"second_input": "down"}, "warning": "few",
+    "supervisor": {"policy": "auto", "watched": [{"id": 1, "name": "knee", "verdict": "hung", "last": "reset", "for_ms": 1,
+    "hangs": 1, "resets": 1, "confirmed": 1}]}})");
+}
+
+/// All that is made of a row.
+void show(const json& one) {
+  std::vector<json> rows{one, one};
+  add_verdicts(rows);
+  status_table(rows);
+  headline("r", rows);
+  line_report(rows);
+  unanswered_report(rows);
+  warning_report(rows);
+  stop_report(rows);
+  supervision_text(rows);
+  lack_of_node(rows[0], 2);
+  lack_in_part(rows[0], 2);
+  errors_of(rows[0]);
+  top_rows({rows, 1}, {rows, 2});
+}
+
+/// Calls `with` for each change of one member, at any depth: left out, or something else.
+template <typename With>
+void change_each(json& whole, json& at, With with) {
+  const auto change = [&](json& member) {
+    const json right = member;
+    for (const json& other : {json(), json("text"), json(-1), json(1.5), json(true), json::array(), json::object(),
+                              json::array({1}), json::object({{"a", 1}})}) {
+      member = other;
+      with(whole);
+    }
+    member = right;
+    change_each(whole, member, with);
+  };
+  if (at.is_array())
+    for (json& member : at) change(member);
+  if (!at.is_object()) return;
+  const json members = at;
+  for (const auto& [name, right] : members.items()) {
+    change(at[name]);
+    at.erase(name);
+    with(whole);
+    at[name] = right;
+  }
+}
+
+TEST(AnswerShape, OfARingdIsRight) {
+  EXPECT_EQ(wrong_in_row(row(), 1), "");
+  EXPECT_EQ(wrong_in_config(json::parse(R"({"nodes": [{"id": 0, "name": "a"}], "path": "", "beacon_ms": 100})")), "");
+}
+
+TEST(AnswerShape, ThatIsWrongIsNamed) {
+  json wrong = row();
+  wrong["cpu"]["state"] = 3;
+  EXPECT_EQ(wrong_in_row(wrong, 1), "'cpu.state' is no text");
+  wrong = row();
+  wrong["heard"][0].erase("id");
+  EXPECT_EQ(wrong_in_row(wrong, 1), "'heard[].id' is missing");
+  EXPECT_EQ(wrong_in_row(row(), 2), "it says that it is node 1");
+  EXPECT_EQ(wrong_in_row(json(3), 1), "it is no object");
+  EXPECT_EQ(wrong_in_config(json::object()), "'nodes' is missing");
+  EXPECT_EQ(wrong_in_config(json::parse(R"({"nodes": [{"id": "a"}]})")), "'nodes[].id' is no whole number");
+  EXPECT_THAT(sentence_of_shape("'id' is missing"), HasSubstr("of one version of limb_ring"));
+}
+
+TEST(AnswerShape, ThatIsRightCanBeShownWhateverElseIsChanged) {
+  json changed = row();
+  std::size_t refused = 0, shown = 0;
+  change_each(changed, changed, [&](const json& answer) {
+    if (!wrong_in_row(answer, 1).empty()) return void(++refused);
+    ++shown;
+    EXPECT_NO_THROW(show(answer)) << answer;
+  });
+  EXPECT_GT(refused, 300u);
+  EXPECT_GT(shown, 50u);
+}
+
+}  // namespace
+}  // namespace limb_ring::ringctl
