@@ -26,15 +26,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The id of the node whose lock file this is; nothing if it is no lock file.
-std::optional<std::uint8_t> node_of(const fs::path& file) {
-  const std::string digits = file.stem();
-  const bool number =
-      !digits.empty() && digits.size() <= 3 && digits.find_first_not_of("0123456789") == std::string::npos;
-  if (file.extension() != ".lock" || !number || std::stoi(digits) > 254) return std::nullopt;
-  return static_cast<std::uint8_t>(std::stoi(digits));
-}
-
 /// The kernel frees a lock when its holder ends, so a lock that cannot be had has a living holder. This asks for the
 /// lock and does not take it: a daemon that starts at this moment gets it (host/node_lock.cpp).
 bool is_held(const process::UniqueFd& file) {
@@ -137,7 +128,7 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
   for (const fs::path file : files_in(folder))
-    if (const auto node = node_of(file); node && is_held(file))
+    if (const auto node = node_of(file, ".lock"); node && is_held(file))
       held.push_back({*node, file.string(), holder_of(folder, *node).pid});
   return held;
 }
@@ -166,7 +157,7 @@ bool is_killed(const std::string& folder, wire::NodeId node) {
 std::vector<KnownNode> known_nodes(const std::string& folder) {
   std::vector<KnownNode> nodes;
   for (const fs::path file : files_in(folder)) {
-    const auto id = node_of(file);
+    const auto id = node_of(file, ".lock");
     if (!id) continue;
     const auto note = note_of(folder, wire::NodeId{*id});
     std::istringstream words(note ? note->words : "");

@@ -40,6 +40,14 @@ std::vector<std::string> files_in(const std::string& folder) {
   return files;
 }
 
+std::optional<std::uint8_t> node_of(const std::string& file, const std::string& kind) {
+  const std::string digits = fs::path(file).stem();
+  const bool number =
+      !digits.empty() && digits.size() <= 3 && digits.find_first_not_of("0123456789") == std::string::npos;
+  if (fs::path(file).extension() != kind || !number || std::stoi(digits) > 254) return std::nullopt;
+  return static_cast<std::uint8_t>(std::stoi(digits));
+}
+
 void remove_leftovers(const std::string& folder) {
   std::error_code ignored;
   for (const std::string& file : files_in(folder))

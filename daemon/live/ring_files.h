@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,10 @@ namespace limb_ring::live {
 /// nothing to go by. It would choose which processes we signal, which files we remove, and which programs we start.
 /// @throw std::system_error where this process or the system has no descriptors left
 std::vector<std::string> files_in(const std::string& folder);
+
+/// The id of the node whose file this is: of "12.lock", with any folder before it, 12 as its kind is ".lock". Nothing
+/// for a file of another kind, or by another name, such as a node's.
+std::optional<std::uint8_t> node_of(const std::string& file, const std::string& kind);
 
 /// Removes what is listed above from a ring's folder, and the folder where nothing else is in it.
 /// @pre no node of it is held, and nobody is starting it

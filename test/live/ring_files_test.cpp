@@ -20,6 +20,13 @@ class RingFiles : public test::OwnFolder {
   const std::string ring = make_ring_directory("legs");
 };
 
+TEST(NodeOfAFile, IsTheIdInItsName) {
+  EXPECT_EQ(node_of("/run/limb_ring/legs/12.host", ".host"), 12);
+  EXPECT_EQ(node_of("254.lock", ".lock"), 254);
+  for (const char* none : {"12.lock", "255.host", "1000.host", "left_knee.host", ".host", "1a.host"})
+    EXPECT_EQ(node_of(none, ".host"), std::nullopt) << none;
+}
+
 TEST_F(RingFiles, GoWithTheirFolder) {
   for (const char* name : {"3.host", "3.link", "3.link2", "3.watch", "3.lock", "up.lock", "up-waist.lock", "3.boot",
                            "3.record", "3.record.former", "3.record.new", "3.log", "ring.log", "keep.log", "3.fault",

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <filesystem>
 #include <iostream>
-#include <optional>
 #include <system_error>
 #include <thread>
 
@@ -32,14 +31,6 @@ namespace {
 constexpr milliseconds kEndTick{20};
 constexpr milliseconds kLongestEnd{3000};  // a daemon ends its CPU first
 
-/// The id in "12.host"; nothing for another file, such as the link of the node's name.
-std::optional<std::uint8_t> socket_id(const fs::path& file) {
-  const std::string stem = file.stem().string();
-  const bool number = !stem.empty() && stem.size() <= 3 && stem.find_first_not_of("0123456789") == std::string::npos;
-  if (file.extension() != ".host" || !number || std::stoul(stem) >= kBroadcast) return {};
-  return static_cast<std::uint8_t>(std::stoul(stem));
-}
-
 }  // namespace
 
 RingFolder::RingFolder(const std::string& ring)
@@ -60,10 +51,8 @@ bool RingFolder::is_gone() const {
 
 std::vector<std::uint8_t> node_sockets(const std::string& ring) {
   std::vector<std::uint8_t> ids;
-  std::error_code error;
-  const fs::directory_iterator folder(ring_directory(ring), error);
-  for (auto it = fs::begin(folder); !error && it != fs::end(folder); it.increment(error))
-    if (const auto id = socket_id(it->path())) ids.push_back(*id);
+  for (const std::string& file : live::files_in(ring_directory(ring)))
+    if (const auto id = live::node_of(file, ".host")) ids.push_back(*id);
   std::sort(ids.begin(), ids.end());
   return ids;
 }
