@@ -69,9 +69,12 @@ void check_condition(const Entry& condition, const std::vector<std::string>& nam
 void check_line(const Entry& entry, const Step& step, const config::RingConfig& ring) {
   const auto* fault = std::get_if<fault::Fault>(&step.action);
   const auto* action = std::get_if<SoakAction>(&step.action);
-  const bool second = (fault && fault->second_line) || (action && action->second_line);
-  if (!second || ring.folds_back()) return;
-  entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
+  if (ring.folds_back()) return;
+  using Kind = SoakAction::Kind;
+  if (action && (action->kind == Kind::cut_cable || action->kind == Kind::mend_cable))
+    entry.find("do")->refuse("only a ring that folds back has cables of two lines", "redundancy: foldback, or wire");
+  if ((fault && fault->second_line) || (action && action->second_line))
+    entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
 }
 
 // The CPUs of the soak's world are no programs.

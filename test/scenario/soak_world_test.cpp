@@ -64,6 +64,8 @@ TEST(SoakWorld, RefusesWhatItHasNot) {
   EXPECT_THAT(refusal("rate: unlimited\nsteps: []\n"), HasSubstr("takes no time"));
   EXPECT_THAT(refusal("world: soak\nsteps: [{do: {hang: node0}}]\n"), HasSubstr("are no programs"));
   EXPECT_THAT(refusal("world: soak\nsteps: [{do: {wire: {cut: node1 -> node0}}}]\n"), HasSubstr("folds back"));
+  EXPECT_THAT(refusal("world: soak\nsteps: [{do: {cable: {cut: node0 -> node1}}}]\n"),
+              HasSubstr("allowed: redundancy"));
   EXPECT_THAT(refusal("world: soak\nsteps: [{do: {wire: {tear: node1 -> node0}}}]\n"), HasSubstr("cut"));
   EXPECT_THAT(refusal("world: soak\nsteps: [{do: {slice: {lost: node0 -> node1, byte: 1}}}]\n"), HasSubstr("byte"));
   EXPECT_THAT(refusal("world: moon\nsteps: []\n"), HasSubstr("usual, soak"));
