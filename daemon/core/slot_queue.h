@@ -27,6 +27,7 @@ class SlotQueue {
     --count_;
     first_ = count_ == 0 ? 0 : (first_ + 1) & mask_;  // empty: reuse slot 0, still in cache
   }
+  void pop_back() { --count_; }
   void clear() { count_ = 0; }
   /// Removes the elements from index `from` on for which which(T&) is true; the others keep their order.
   template <class Which>

@@ -47,6 +47,19 @@ TEST_F(BrokenPacket, WhatWaitsBehindAnAbortGoesInTheSameTurn) {
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::abort, SliceKind::whole));
 }
 
+// Once it kept its room until its turn came, and others were discarded for want of it.
+TEST_F(BrokenPacket, AnAbortOfWhatHasNotBegunToLeaveMakesRoomAtOnce) {
+  solo.node().set_output_ready(false);
+  solo.receive(SliceKind::whole, packet);
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.receive(SliceKind::abort, {});
+  EXPECT_EQ(solo.node().insertion_buffer().count(), 1u);
+  EXPECT_EQ(solo.node().insertion_buffer().bytes(), packet.size());
+  solo.node().set_output_ready(true);
+  solo.run();
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::whole));
+}
+
 TEST_F(BrokenPacket, WhatWaitsBehindAnEndGoesInTheSameTurn) {
   solo.receive(SliceKind::start, head_of(packet));
   solo.line();

@@ -57,6 +57,10 @@ class InsertionBuffer {
     bytes_ -= front().size;
     packets_.pop();
   }
+  void pop_back() {
+    bytes_ -= back().size;
+    packets_.pop_back();
+  }
   void clear() {
     packets_.clear();
     bytes_ = 0;

@@ -57,6 +57,8 @@ void PacketManager::relay_end(std::size_t bytes, Time now) {
 void PacketManager::relay_abort() {
   if (!receiving_) return;
   receiving_ = false;
+  const bool is_on_line = is_open_ && !open_.own && buffer_.count() == 1;
+  if (!is_on_line) return buffer_.pop_back();
   buffer_.back().state = RelayedPacket::State::aborted;
 }
 
@@ -110,7 +112,6 @@ bool PacketManager::step(Time now) {
   if (is_open_) return advance_open(now);
 
   // What came in first goes first; on a tie Transmit wins over Relay.
-  while (!buffer_.empty() && buffer_.front().state == RelayedPacket::State::aborted) buffer_.pop();
   const Time own = transmit_.data.ready_at();
   const Time relayed = relayed_since();
   const Time since = std::min(own, relayed);
