@@ -72,6 +72,14 @@ TEST_F(Forwarding, APacketGoesOnOnce) {
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
 }
 
+// The first was dropped. The bits of its source's boot number are the same again four starts later.
+TEST_F(Forwarding, AnInterruptLikeOneOfLongAgoWaitsFromItsOwnArrivalOn) {
+  checker.came(header(true, 1_id), 2_id, {0}, kSize, Time(0ns));
+  checker.came(header(true, 1_id), 2_id, {0}, kSize, Time(1ms));
+  checker.went(header(true, 1_id), trailer(0, 2_id), Time(1ms));
+  EXPECT_THAT(broken, IsEmpty());
+}
+
 TEST_F(Forwarding, AnInterruptMayWaitForOddBytesTrailerAndCrc) {
   checker.came(header(true, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.went(header(true, 1_id), trailer(0, 2_id), Time(11 * kByte));
