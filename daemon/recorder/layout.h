@@ -15,7 +15,7 @@
 /// with the state of the core (core/archive.h), from which its records go on.
 namespace limb_ring::recorder {
 
-constexpr std::array<char, 8> kMagic{'l', 'i', 'm', 'b', 'r', 'e', 'c', '5'};
+constexpr std::array<char, 8> kMagic{'l', 'i', 'm', 'b', 'r', 'e', 'c', '6'};
 constexpr std::size_t kTitleSize = 16384;
 
 /// What does not change while a node lives.

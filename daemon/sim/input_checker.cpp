@@ -195,8 +195,8 @@ Answer InputChecker::offer(NodeId node, const PacketFields& packet, Sent* sent, 
   if (may_have_joined) n.receiver.set_joined(Tristate::no);
   if (wire::is_control(packet)) return answer;
   const std::uint8_t priority = wire::priority_of(packet.last());
-  if (answer == Answer::takes) record_.ledger.take(sent, packet.source(), node);
-  if (answer == Answer::refuses) record_.ledger.refuse(sent, node);
+  if (answer == Answer::takes) record_.ledger.take(sent, packet, node, at_end);
+  if (answer == Answer::refuses) record_.ledger.refuse(sent, node, at_end);
   if (answer == Answer::unknown && sent) sent->may_be_taken = true;
   if (answer == Answer::takes || answer == Answer::unknown)
     n.buffers.put(sent, packet.source(), priority, at_end, answer == Answer::takes);
@@ -223,7 +223,7 @@ Answer InputChecker::offer_interrupt(NodeId node, const PacketFields& packet, Se
                                      Time at_end) {
   NodeRecord& n = record_.at(node);
   const Answer answer = n.receiver.interrupt(packet, received, at_end);
-  if (answer == Answer::takes) record_.ledger.take(sent, packet.source(), node);
+  if (answer == Answer::takes) record_.ledger.take(sent, packet, node, at_end);
   if (answer == Answer::unknown && sent) sent->may_be_taken = true;
   if (answer == Answer::takes || answer == Answer::unknown)
     n.pins.put(packet.source(), wire::factor_of(packet.last()), at_end, answer == Answer::takes);

@@ -36,7 +36,13 @@ void Invariants::word_arrives(NodeId node, wire::FoldWord word, Line line, Time 
   inputs_.word_arrives(node, word, line, now);
 }
 
-void Invariants::input_changes(NodeId node, Line line, Time now) { inputs_.input_changes(node, line, now); }
+void Invariants::input_changes(NodeId node, Line line, Time now) {
+  inputs_.input_changes(node, line, now);
+  NodeRecord& n = record_.at(node);
+  n.receiver.input_changes(now);
+  n.input_changed_at = now;
+  if (n.output_lost_at == now) n.lines_crossed_at = now;
+}
 
 void Invariants::output_ready(NodeId node, bool, Time now) { record_.at(node).forwarding.released(now); }
 
@@ -84,9 +90,17 @@ void Invariants::state_changes(NodeId node, NodeState state) {
   // A joining node whose hello ends lost while a line is down only waits for it. (protocol.md section 8.1)
   if (state == NodeState::starting && before == NodeState::joining)
     n.receiver.may_start_over();
+  else if (state == NodeState::starting)
+    starts_over(node);
   else
-    n.receiver.start_over(state == NodeState::starting);
+    n.receiver.begin_incarnation();
   record_.ledger.waits_for_nothing(node);
+}
+
+void Invariants::starts_over(NodeId node) {
+  NodeRecord& n = record_.at(node);
+  n.receiver.start_over(n.lines_crossed_at == n.began, n.began);
+  record_.ledger.forgets(node, n.settings.fold_back ? n.began : n.input_changed_at);
 }
 
 // ---- faults ---------------------------------------------------------------------------------
@@ -103,6 +117,7 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
   if (incident == Incident::thawed) n.history.thawed = now;
+  if (incident == Incident::output_replaced) n.output_lost_at = now;
   if (incident == Incident::killed) results_.judge_open(node, false);
   if (incident == Incident::started) starts(node, now);
   if (incident == Incident::started || incident == Incident::cpu_reset) n.buffers.flush();

@@ -42,6 +42,7 @@ class Invariants : public Observer {
 
  private:
   void state_changes(NodeId node, core::NodeState state);
+  void starts_over(NodeId node);
   void starts(NodeId node, Time now);
 
   RingRecord record_;

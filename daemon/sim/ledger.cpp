@@ -28,9 +28,11 @@ bool Sent::is(const core::ReceivedPacket& packet) const {
          packet.channel == channel && packet.size == size && wire::crc32(packet.bytes()) == checksum;
 }
 
-Ledger::Ledger(unsigned nodes, Complain complain)
+Ledger::Ledger(unsigned nodes, bool fold_back, Complain complain)
     : complain_(std::move(complain)),
+      fold_back_(fold_back),
       sources_(nodes),
+      forgotten_before_(nodes),
       passed_over_(*this, complain_),
       newest_(std::size_t{nodes} * nodes * 5) {}
 
@@ -105,6 +107,14 @@ void Ledger::Slot::begin(std::uint32_t token) {
   begun = true;
 }
 
+void Ledger::waits_for_nothing(NodeId source) {
+  for (Outstanding& outstanding : sources_[source].outstanding) {
+    const unsigned before = outstanding.unknown();
+    outstanding = {};
+    outstanding.before = before;
+  }
+}
+
 Ledger::Slot& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destination) {
   return sources_[source].on_line[(code.interrupt ? 2048u : 0u) + destination * 8u + code.sequence];
 }
@@ -113,8 +123,7 @@ void Ledger::try_begins(NodeId source, wire::Code code, Time now) {
   Outstanding& outstanding = sources_[source].outstanding[code.interrupt ? 1 : 0];
   const int packet = wire::Code{code.interrupt, 0, code.sequence, code.incarnation}.byte();
   if (code.attempt == 0 || outstanding.packet != packet) {
-    const unsigned before = outstanding.token == 0 ? outstanding.tries - outstanding.counted : 0;
-    outstanding = {packet, code.attempt, 0, 0, now, 0, before, true, false};
+    outstanding = {packet, code.attempt, 0, 0, now, 0, outstanding.unknown(), true, false};
   }
   outstanding.tries = std::max(outstanding.tries, code.attempt + 0u) + 1;
   outstanding.since = now;
@@ -258,19 +267,21 @@ void Ledger::come_home(Sent* sent, int fbc, Time at) {
   sent->home_fbc = fbc;
 }
 
-void Ledger::take(Sent* sent, NodeId source, NodeId node) {
+void Ledger::take(Sent* sent, const wire::PacketFields& packet, NodeId node, Time at) {
   if (!sent) {
-    if (!sources_[source].others_send)
+    if (!sources_[packet.source()].others_send)
       complain_(Promise::undamaged, "node " + std::to_string(node) + " took a packet that node " +
-                                        std::to_string(source) + " did not send");
+                                        std::to_string(packet.source()) + " did not send");
     return;
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
+  const bool first_try = packet.code().attempt == 0;
+  const auto may_be_forgotten = [&](const Sent::Decision& d) { return first_try && d.at < forgotten_before_[node]; };
   for (const Sent::Decision& decision : sent->decisions)
-    if (decision.taken && decision.node == node)
+    if (decision.taken && decision.node == node && !may_be_forgotten(decision))
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
-  sent->decisions.push_back({node, true});
+  sent->decisions.push_back({node, true, at});
   check_order(*sent, node);
 }
 
@@ -346,9 +357,11 @@ void Ledger::check_measures(const Sent& sent) {
                                         std::to_string(core::picoseconds(told)) + " ps, and " +
                                         std::to_string(core::picoseconds(seen)) + " were seen");
   const Outstanding& outstanding = sources_[sent.source].outstanding[sent.interrupt() ? 1 : 0];
-  const unsigned under_way = outstanding.token == 0 ? outstanding.tries - outstanding.counted : 0;  // perhaps its own
-  // A node that starts over in the instant of a try takes it off the line unseen.
-  const unsigned unseen = sent.end.outcome == Outcome::cancelled ? 1 : 0;
+  const unsigned under_way = outstanding.unknown();  // perhaps its own
+  // A node that starts over in the instant of a try takes it off the line unseen, as does one that folds in an open
+  // chain.
+  const bool folds = fold_back_ && sent.end.outcome == Outcome::unconfirmed;
+  const unsigned unseen = folds || sent.end.outcome == Outcome::cancelled ? 1 : 0;
   for (const unsigned unknown : {0u, under_way, outstanding.before, unseen})
     if (sent.end.tries == sent.tries + unknown) return;
   complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +

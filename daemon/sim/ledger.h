@@ -20,10 +20,11 @@ struct Sent {
   struct Decision {
     NodeId node;
     bool taken;  ///< or refused
+    Time at;
 
     template <class Archive>
     void archive(Archive& a) {
-      a("node", node)("taken", taken);
+      a("node", node)("taken", taken)("at", at);
     }
   };
   std::uint32_t token = 0;
@@ -86,7 +87,7 @@ struct Sent {
 /// and contents are as promised. Packets are known on the line by (SID, kind, DID, sequence).
 class Ledger {
  public:
-  Ledger(unsigned nodes, Complain complain);
+  Ledger(unsigned nodes, bool fold_back, Complain complain);
 
   /// What can be seen of a packet that has left its source; the names are those of Sent.
   struct LeavingPacket {
@@ -128,7 +129,7 @@ class Ledger {
     return sources_[source].outstanding[interrupt ? 1 : 0].damaged;
   }
   /// `source` waits for none of its packets any more.
-  void waits_for_nothing(NodeId source) { sources_[source].outstanding = {}; }
+  void waits_for_nothing(NodeId source);
   /// Packets of that node are under way that were not asked for through the ring.
   bool others_send(NodeId source) const { return sources_[source].others_send; }
   /// The send of a packet that is somewhere on the ring; null if it is not known: of another owner, of
@@ -138,11 +139,13 @@ class Ledger {
   void come_home(Sent* sent, int fbc, Time at);
   /// null where it is not known, or not needed any more.
   Sent* find(NodeId source, std::uint32_t token);
-  /// Node `node` has refused it; take(): has taken it, or pulled its pin.
-  void refuse(Sent* sent, NodeId node) {
-    if (sent) sent->decisions.push_back({node, false});
+  /// Node `node` has refused it; take(): has taken it as this packet, or pulled its pin.
+  void refuse(Sent* sent, NodeId node, Time at) {
+    if (sent) sent->decisions.push_back({node, false, at});
   }
-  void take(Sent* sent, NodeId source, NodeId node);
+  void take(Sent* sent, const wire::PacketFields& packet, NodeId node, Time at);
+  /// `node` starts over, and forgets what it decided before: what a line has doubled it may take again.
+  void forgets(NodeId node, Time before) { forgotten_before_[node] = before; }
   /// `node` has taken a packet that looks like this one.
   bool has_taken(const core::ReceivedPacket& packet, NodeId node) const;
   /// What `source` was asked for until now and has not begun to send is cancelled.
@@ -165,7 +168,7 @@ class Ledger {
   /// All that later events are judged by, for study/explore/state_hash.h; the same in the classes below.
   template <class Archive>
   void archive(Archive& a) {
-    a("sources", sources_)("passed_over", passed_over_)("newest", newest_);
+    a("sources", sources_)("forgotten_before", forgotten_before_)("passed_over", passed_over_)("newest", newest_);
     a("released", released_);
   }
 
@@ -182,6 +185,8 @@ class Ledger {
     bool awaited = false;  ///< outstanding: it is not home yet
     bool damaged = false;  ///< a packet of this kind came home damaged since its last try
 
+    /// Tries of a packet of which it is not known which send it is.
+    unsigned unknown() const { return token == 0 ? tries - counted : 0; }
     template <class Archive>
     void archive(Archive& a) {
       a("packet", packet)("tries", tries)("counted", counted)("token", token)("since", since)("attempt", attempt);
@@ -241,6 +246,8 @@ class Ledger {
   void forget_settled(Source& source);
 
   Complain complain_;
+  std::vector<Time> forgotten_before_;  ///< by node
+  bool fold_back_;
   std::vector<Source> sources_;
   PassedOver passed_over_;
   std::vector<std::uint32_t> newest_;  ///< token, by node, source, queue

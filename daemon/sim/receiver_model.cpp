@@ -107,7 +107,9 @@ void ReceiverModel::doubt(const PacketFields& packet) {
     for (Entry& e : page.entries) e.any_sequence = true;
   } else if (addressed(packet)) {
     if (!page.known || page.incarnation != packet.code().incarnation) page.any_incarnation = true;
-    entry(packet).any_sequence = true;
+    Entry& e = entry(packet);
+    e.any_sequence = true;
+    e.left_behind = core::kNever;
   }
 }
 
@@ -137,7 +139,7 @@ void ReceiverModel::decide(Entry& e, const PacketFields& packet, Answer answer, 
   const Decision decision = answer == Answer::takes || answer == Answer::control ? Decision::taken
                             : answer == Answer::refuses                          ? Decision::refused
                                                                                  : Decision::unknown;
-  e = {at, packet.code().sequence, decision, false, false};
+  e = {at, packet.code().sequence, decision};
 }
 
 ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate received, Tristate has_buffer, Time at) {
@@ -200,24 +202,43 @@ void ReceiverModel::announce(bool sure, Time at) {
   if (sure) announced_ = std::min(announced_, at);
 }
 
-void ReceiverModel::start_over(bool forgets_peers) {
-  joined_ = Tristate::no;
-  announced_ = perhaps_announced_ = core::kNever;
-  for (Page& page : pages_) {
-    page.entries = {};
-    if (forgets_peers) page.peer_known = Tristate::no;
-  }
+template <class Change>
+void ReceiverModel::each_entry(Change change) {
+  for (Page& page : pages_)
+    for (Entry& e : page.entries) change(e);
+}
+
+void ReceiverModel::input_changes(Time now) {
+  each_entry([now](Entry& e) { e.left_behind = std::min(e.left_behind, now); });
+}
+
+// What it decided before its input was last lost it forgets; if the ring folds back, all.
+void ReceiverModel::start_over(bool crossed, Time now) {
+  begin_incarnation();
+  each_entry([&](Entry& e) {
+    const bool doubtful = crossed && e.left_behind == now && !fold_back_;
+    if (doubtful)
+      e.any_sequence = true;
+    else if (fold_back_ || e.left_behind != core::kNever)
+      e = {};
+  });
+  for (Page& page : pages_) page.peer_known = Tristate::no;
 }
 
 // If it did not start over, what it had decided still holds; nobody outside knows.
 void ReceiverModel::may_start_over() {
   joined_ = Tristate::no;
   announced_ = core::kNever;
-  for (Page& page : pages_) {
-    for (Entry& e : page.entries)
-      if (e.decision != Decision::none) e.any_sequence = true;
+  each_entry([&](Entry& e) {
+    if (e.decision != Decision::none && (fold_back_ || e.left_behind != core::kNever)) e.any_sequence = true;
+  });
+  for (Page& page : pages_)
     if (page.peer_known == Tristate::yes) page.peer_known = Tristate::unknown;
-  }
+}
+
+void ReceiverModel::begin_incarnation() {
+  joined_ = Tristate::no;
+  announced_ = perhaps_announced_ = core::kNever;
 }
 
 }  // namespace limb_ring::sim

@@ -46,10 +46,15 @@ class ReceiverModel {
   Tristate joined() const { return joined_; }
   /// Its hello, or a beacon with its boot number, has come home since it started. @param sure or perhaps
   void announce(bool sure, Time at);
-  /// The node begins a new incarnation; with `forgets_peers` it starts all over, since it was bypassed.
-  void start_over(bool forgets_peers);
+  /// The node's input is lost, or another one.
+  void input_changes(Time now);
+  /// It starts over, since it was bypassed. @param crossed perhaps before its input changed in this instant, not by
+  /// that
+  void start_over(bool crossed, Time now);
   /// Perhaps it starts over: it was bypassed, or only its hello was lost and a line is down.
   void may_start_over();
+  /// Another node has its id: it begins a new incarnation.
+  void begin_incarnation();
   void set_cpu_present(bool present) { cpu_present_ = present; }
   bool cpu_present() const { return cpu_present_; }
   template <class Archive>
@@ -64,12 +69,14 @@ class ReceiverModel {
     Time decided{};
     std::uint8_t sequence = 0;
     Decision decision = Decision::none;
-    bool aged = false;          ///< a first try is new
-    bool any_sequence = false;  ///< nobody knows which number was decided last
+    bool aged = false;                ///< a first try is new
+    bool any_sequence = false;        ///< nobody knows which number was decided last
+    Time left_behind = core::kNever;  ///< when the input changed on which it was decided
 
     template <class Archive>
     void archive(Archive& a) {
       a("decided", decided)("sequence", sequence)("decision", decision)("aged", aged)("any_sequence", any_sequence);
+      a("left_behind", left_behind);
     }
   };
   struct Page {
@@ -101,6 +108,8 @@ class ReceiverModel {
   void doubt(const wire::PacketFields& packet);
   bool is_old(const Entry& entry, Time now) const;
   void age(Page& page, Time now) const;
+  template <class Change>
+  void each_entry(Change change);
 
   NodeId id_;
   bool fold_back_;

@@ -12,7 +12,7 @@ NodeRecord::NodeRecord(const core::Settings& of_node, Ledger& ledger, const Comp
 RingRecord::RingRecord(VirtualRing& of_ring)
     : ring(of_ring),
       on_complaint([this](Promise promise, std::string what) { complain(promise, std::move(what)); }),
-      ledger(ring.size(), on_complaint) {
+      ledger(ring.size(), ring.settings(ring.order()[0]).fold_back, on_complaint) {
   for (unsigned id = 0; id < ring.size(); ++id)
     nodes.push_back(std::make_unique<NodeRecord>(ring.settings(static_cast<NodeId>(id)), ledger, on_complaint));
   for (const auto& node : nodes) settling = std::max(settling, 4 * node->settings.send_timeout());

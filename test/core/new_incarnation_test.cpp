@@ -130,6 +130,57 @@ TEST_F(BypassedAndInAnOpenChain, ARepeatedInterruptIsNotTakenUntilTheNodesOwnBea
   EXPECT_EQ(pulled(), 2u) << "all know of its start, so this one is new";
 }
 
+/// A node whose input is another one since an own packet was last home: it starts over when it loses its output.
+struct InputIsAnother : testing::Test {
+  static SoloNode folding() {
+    return SoloNode{Duration{0}, [](Settings& s) { s.fold_back = true; }};
+  }
+  void replace_input(SoloNode& solo) {
+    solo.node().input_lost(solo.now());
+    solo.node().input_up(0_id, solo.now());
+  }
+  void replace_output(SoloNode& solo) {
+    solo.node().output_lost(solo.now());
+    solo.node().output_up(2_id, solo.now());
+    ASSERT_EQ(solo.node().membership().state(), NodeState::joining);
+  }
+  void pull(SoloNode& solo) { solo.receive(SliceKind::interrupt, foreign_interrupt(3, 1, 1)); }
+};
+
+// Its line has doubled an INTP; between the two copies the node starts over. (soak, seed 3820048588)
+TEST_F(InputIsAnother, WhatCameOnTheNewOneIsKnownAfterStartingOver) {
+  SoloNode solo;
+  solo.join();
+  replace_input(solo);
+  pull(solo);
+  replace_output(solo);
+  pull(solo);
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+  EXPECT_EQ(solo.counters().duplicates, 1u);
+}
+
+// Eight others with the same number may have passed elsewhere.
+TEST_F(InputIsAnother, WhatCameOnTheFormerOneIsForgotten) {
+  SoloNode solo;
+  solo.join();
+  pull(solo);
+  replace_input(solo);
+  replace_output(solo);
+  pull(solo);
+  EXPECT_EQ(solo.counters().pins_pulled, 2u);
+}
+
+// Its input may be up while nothing comes over a fold.
+TEST_F(InputIsAnother, WhatCameOnAnyIsForgottenIfTheRingFoldsBack) {
+  SoloNode solo = folding();
+  solo.join();
+  replace_input(solo);
+  pull(solo);
+  replace_output(solo);
+  pull(solo);
+  EXPECT_EQ(solo.counters().pins_pulled, 2u);
+}
+
 TEST(NewIncarnation, ForgetsHowTheHelloBeforeEnded) {
   SoloNode solo{Duration{0}, [](Settings& s) { s.break_grace = 50ms; }};
   solo.run();

@@ -57,8 +57,17 @@ void Node::start_over(Time now) {
   break_at_ = drained_at_ = beacon_at_ = kNever;
   hello_due_ = kNever;
   beacon_wanted_ = false;
-  for (auto& [source, page] : pages_) page.decided.clear();
+  forget_former_input();
   set_state(NodeState::starting, now);
+}
+
+// protocol.md section 4.10.
+void Node::forget_former_input() {
+  for (auto& [source, page] : pages_)
+    for (auto entry = page.decided.begin(); entry != page.decided.end();) {
+      const bool forgotten = settings_.fold_back || entry->second.on_former_input;
+      entry = forgotten ? page.decided.erase(entry) : std::next(entry);
+    }
 }
 
 // ---- hello ------------------------------------------------------------------------------------------
@@ -73,6 +82,7 @@ void Node::say_hello(bool remembers, Time now) {
   data_.queues[0].push_back(send);
   hello_out_ = true;
   hello_left_ = false;
+  hello_remembers_ = remembers;
   hello_said_ = now;
   hello_due_ = kNever;
 }

@@ -45,6 +45,7 @@ void Node::apply(const core::Input& what, Time now) {
 
 void Node::input_up(int from, Time now) {
   break_off_input(now);
+  input_is_another();
   own_break_ends();
   in_.up = in_.was_up = true;
   in_.neighbour = from;
@@ -55,10 +56,16 @@ void Node::input_up(int from, Time now) {
 void Node::input_lost(Time now) {
   break_off_input(now);
   if (!in_.up) return;
+  input_is_another();
   in_.up = false;
   in_.lost_since_home = true;
   lines_changed(now);
   watch_for_break(now);
+}
+
+void Node::input_is_another() {
+  for (auto& [source, page] : pages_)
+    for (auto& [kind, decided] : page.decided) decided.on_former_input = true;
 }
 
 void Node::input_gap(Time now) { break_off_input(now); }

@@ -73,6 +73,7 @@ struct Decided {
   bool taken = false;
   Time when{};
   bool retries_only = false;
+  bool on_former_input = false;
 };
 struct Page {
   int incarnation = 0;
@@ -160,6 +161,7 @@ class Node : private BehindFold {
   // -- node.cpp
   void input_up(int from, Time now);
   void input_lost(Time now);
+  void input_is_another();
   void input_gap(Time now);
   void output_up(int to, Time now);
   void output_lost(Time now);
@@ -274,6 +276,7 @@ class Node : private BehindFold {
   void own_break_ends();
   void watch_for_break(Time now);
   void start_over(Time now);
+  void forget_former_input();
   void sign_of_duplicate(Time now);
   void joined(Time at);
   void membership_timers(Time now);
@@ -314,9 +317,10 @@ class Node : private BehindFold {
   int signs_ = 0;
   bool hello_out_ = false;  ///< it waits, or is outstanding, or will be said again
   Time hello_said_{};
-  Time hello_due_ = kNever;     ///< it has ended lost, and is said again then
-  Time announced_at_ = kNever;  ///< the own hello, or a beacon of this boot number, first came home
-  bool hello_left_ = true;      ///< in an open chain: nothing else goes before
+  Time hello_due_ = kNever;       ///< it has ended lost, and is said again then
+  Time announced_at_ = kNever;    ///< the own hello, or a beacon of this boot number, first came home
+  bool hello_left_ = true;        ///< in an open chain: nothing else goes before
+  bool hello_remembers_ = false;  ///< the node has joined before, and goes on receiving
   Time hello_left_at_ = Time{} - Duration{1};
   bool beacon_out_ = false;
   bool beacon_wanted_ = false;

@@ -114,7 +114,7 @@ int Node::answer_control(const Packet& packet, Time at, Time now) {
     next.boot = boot;
     page = next;
   }
-  page.decided[{false, packet.broadcast()}] = {packet.sequence(), true, now, false};
+  page.decided[{false, packet.broadcast()}] = {packet.sequence(), true, now};
   heard(packet, hello, beacon, at, now);
   return 254;
 }
@@ -134,10 +134,10 @@ int Node::answer_data(const Packet& packet, Time at, Time now) {
   // On a line without a rate it is open whether what comes in the instant of the hello comes before it. (protocol.md
   // section 2.4)
   const bool left = hello_left_ && (settings_.byte_time_out > Duration{0} || hello_left_at_ < now);
-  const bool joining = !closed() && !(state_ == NodeState::open_chain && left);
+  const bool joining = !closed() && !(state_ == NodeState::open_chain && (left || hello_remembers_));
   if (is_unaware_nodes_retry(packet, at)) return kNoAnswer;
   const bool taken = !joining && cpu_present_ && free > 0;
-  page->decided[{false, packet.broadcast()}] = {packet.sequence(), taken, now, false};
+  page->decided[{false, packet.broadcast()}] = {packet.sequence(), taken, now};
   if (!taken) return 0;
   core::ReceivedPacket out;
   out.at = at;
@@ -164,7 +164,7 @@ int Node::answer_interrupt(const Packet& packet, Time at, Time now) {
   }
   if (is_unaware_nodes_retry(packet, at)) return kNoAnswer;
   const bool wired = settings_.wired[static_cast<std::size_t>(packet.factor())];
-  page->decided[{true, packet.broadcast()}] = {packet.sequence(), wired, now, false};
+  page->decided[{true, packet.broadcast()}] = {packet.sequence(), wired, now};
   if (!wired) return 0;
   tell(at, core::PinPulled{wire::Factor{static_cast<std::uint8_t>(packet.factor())},
                            wire::NodeId{static_cast<std::uint8_t>(packet.source())}});

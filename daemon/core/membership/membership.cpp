@@ -103,6 +103,7 @@ void Membership::input_up(NodeId from, bool folded, Time now) {
 void Membership::input_lost(Time now) {
   if (!input_.up()) return;
   input_.lose();
+  memory_.input_lost();
   lines_changed(now);
 }
 
@@ -135,6 +136,7 @@ void Membership::lines_changed(Time now) {
 void Membership::start_over(Time now) {
   input_.was_lost = output_.was_lost = false;
   begin_incarnation(now);
+  memory_.forget_verdicts();
   peers_.forget_all();
   ring_size_ = 0;
 }
@@ -144,7 +146,6 @@ void Membership::begin_incarnation(Time now) {
   transmit_.set_open_chain(false, now);
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
-  memory_.forget_verdicts();
   joined_ = hello_out_ = renumbering_ = merged_ = false;
   known_to_all_from_ = hello_due_ = kNever;
   beacon_.out = false;

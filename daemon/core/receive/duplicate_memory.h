@@ -73,12 +73,21 @@ class DuplicateMemory {
     return falls_into_parts_ && is_old(e, now) ? Verdict::doubtful : e.verdict;
   }
   void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict, Time now) {
-    sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false};
+    sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false, false};
   }
 
-  /// For a node that was bypassed: numbers may have wrapped meanwhile. Which incarnations it has met stays known.
+  /// The node's input is lost.
+  void input_lost() {
+    for (Source& source : sources_)
+      for (Entry& e : source.entries) e.on_former_input = true;
+  }
+  /// For a node that starts over: numbers may have wrapped since its input was last lost. What it decided on the
+  /// present one it knows: it has missed nothing there, and a line may have doubled what it took. Which incarnations it
+  /// has met stays known, too.
   void forget_verdicts() {
-    for (Source& source : sources_) source.entries = {};
+    for (Source& source : sources_)
+      for (Entry& e : source.entries)
+        if (falls_into_parts_ || e.on_former_input) e = {};
   }
 
   /// archive.h
@@ -96,10 +105,11 @@ class DuplicateMemory {
     wire::Sequence sequence{};
     Verdict verdict = Verdict::none;
     bool aged = false;
+    bool on_former_input = false;
 
     template <class Archive>
     void archive(Archive& a) {
-      a("decided", decided)("sequence", sequence)("verdict", verdict)("aged", aged);
+      a("decided", decided)("sequence", sequence)("verdict", verdict)("aged", aged)("on_former_input", on_former_input);
     }
   };
   struct Source {

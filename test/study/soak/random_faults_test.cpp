@@ -131,6 +131,22 @@ TEST(RandomFaults, BreakNoPromiseWhereAFoldBeginsAsAPacketComesHome) {
 // good return said nothing; the judge took it for the end of the hello.
 TEST(RandomFaults, BreakNoPromiseWhereALastTryEndsAsItLeaves) { expect_no_breach({3799005189}); }
 
+// A line had doubled an INTP. Between the two copies a node started over, and pulled its pin for both.
+TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverBetweenTwoCopies) { expect_no_breach({3820048588}); }
+
+// A false alarm: an INTP of four starts before, which a node had dropped, was taken for one that it passed on.
+TEST(RandomFaults, BreakNoPromiseWhereAnInterruptIsLikeOneOfLongAgo) {
+  expect_no_breach({3821185965}, RandomFaults::FoldBack::all);
+}
+
+// Another: a node folded in an open chain in the instant in which its INTP left.
+TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesAnInterruptOffTheLine) {
+  expect_no_breach({3823052521}, RandomFaults::FoldBack::all);
+}
+
+// Another: a node learned of a break, and lost its output, while the end of its packet was not out yet.
+TEST(RandomFaults, BreakNoPromiseWhereAPacketEndsUnconfirmedBeforeItsEndIsOut) { expect_no_breach({3822001831}); }
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
