@@ -1,5 +1,7 @@
 #include "capture/pcapng_reader.h"
 
+#include <charconv>
+#include <optional>
 #include <sstream>
 
 #include "capture/pcapng.h"
@@ -28,6 +30,14 @@ std::string printable(std::string text) {
   return text;
 }
 
+/// The whole number that this text is; nothing where it is none, or above 255.
+std::optional<wire::NodeId> id_in(const std::string& text) {
+  std::uint8_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return wire::NodeId{id};
+}
+
 /// What the writer has said about the ring in the section's comment, as far as it is there.
 RingNames names_in(const std::string& comment) {
   RingNames names;
@@ -38,10 +48,9 @@ RingNames names_in(const std::string& comment) {
   if (!names.ring.empty() && names.ring.back() == ';') names.ring.pop_back();
   while (words >> word) {
     const std::size_t equals = word.find('=');
-    const std::string id = word.substr(0, equals);
-    const bool number = !id.empty() && id.size() <= 3 && id.find_first_not_of("0123456789") == std::string::npos;
-    if (equals == std::string::npos || !number || std::stoul(id) > 255) break;
-    names.nodes[static_cast<wire::NodeId>(std::stoul(id))] = word.substr(equals + 1);
+    const auto id = id_in(word.substr(0, equals));
+    if (equals == std::string::npos || !id) break;
+    names.nodes[*id] = word.substr(equals + 1);
   }
   return names;
 }

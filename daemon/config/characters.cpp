@@ -5,6 +5,10 @@
 
 namespace limb_ring::config {
 
+bool are_digits(const std::string& text, std::size_t most) {
+  return !text.empty() && text.size() <= most && std::all_of(text.begin(), text.end(), is_digit);
+}
+
 bool is_plain_text(const std::string& text) {
   namespace utf = boost::locale::utf;
   for (auto at = text.begin(); at != text.end();) {

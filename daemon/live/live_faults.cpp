@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "config/characters.h"
 #include "process/in_parallel.h"
 
 namespace limb_ring::live {
@@ -236,7 +237,7 @@ void LiveFaults::remove(const std::string& id) const {
     if (fault && fault->name == rest) return revive(node);
     throw NotDone("node " + daemons_.node(node).name + " has no fault " + rest + " (any more)");
   }
-  if (rest.empty() || rest.size() > 9 || rest.find_first_not_of("0123456789") != std::string::npos) throw no_id(id);
+  if (!config::are_digits(rest, 9)) throw no_id(id);
   daemons_.ask(node, {{"do", "remove_fault"}, {"id", std::stoul(rest)}});
 }
 

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "config/characters.h"
 #include "fault/name.h"
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
@@ -51,8 +52,7 @@ std::string why_untold(const fs::path& lock, int error) {
 
 /// The number that is the whole of this line; -1 where something else has been written into the file ("10:16:33 ...").
 pid_t pid_in(const std::string& line) {
-  const bool number = !line.empty() && line.size() <= 9 && line.find_first_not_of("0123456789") == std::string::npos;
-  const pid_t pid = number ? std::stoi(line) : -1;
+  const pid_t pid = config::are_digits(line, 9) ? std::stoi(line) : -1;
   return pid > 1 ? pid : -1;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "config/characters.h"
 #include "limb_ring/ring_directory.h"
 #include "process/throw_errno.h"
 
@@ -17,8 +18,7 @@ namespace {
 /// A note whose writer was killed (node_notes.cpp): 3.fault.4711
 bool is_unfinished_note(const fs::path& file) {
   const std::string pid = file.extension(), kind = file.stem().extension();
-  return pid.size() > 1 && pid.find_first_not_of("0123456789", 1) == std::string::npos &&
-         (kind == ".fault" || kind == ".killed");
+  return !pid.empty() && config::are_digits(pid.substr(1)) && (kind == ".fault" || kind == ".killed");
 }
 
 bool is_leftover(const fs::path& file) {
@@ -42,9 +42,8 @@ std::vector<std::string> files_in(const std::string& folder) {
 
 std::optional<std::uint8_t> node_of(const std::string& file, const std::string& kind) {
   const std::string digits = fs::path(file).stem();
-  const bool number =
-      !digits.empty() && digits.size() <= 3 && digits.find_first_not_of("0123456789") == std::string::npos;
-  if (fs::path(file).extension() != kind || !number || std::stoi(digits) > 254) return std::nullopt;
+  if (fs::path(file).extension() != kind || !config::are_digits(digits, 3) || std::stoi(digits) > 254)
+    return std::nullopt;
   return static_cast<std::uint8_t>(std::stoi(digits));
 }
 

@@ -1,3 +1,4 @@
+#include "config/characters.h"
 #include "fault/parse.h"
 #include "scenario/sections.h"
 #include "wire/data_packet.h"
@@ -18,8 +19,7 @@ fault::RingNodes nodes_by_place(const Entry& entry) {
   fault::RingNodes nodes;
   for (const auto& [name, place] : entry.document().nodes) {
     if (nodes.size() <= place) nodes.resize(place + 1u);
-    const bool number = name.find_first_not_of("0123456789") == std::string::npos;
-    (number ? nodes[place].number : nodes[place].name) = name;
+    (config::are_digits(name) ? nodes[place].number : nodes[place].name) = name;
     nodes[place].id = NodeId{place};
   }
   return nodes;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "config/characters.h"
 #include "config/config_error.h"
 #include "config/yaml_file.h"
 #include "scenario/load_scenario.h"
@@ -64,7 +65,7 @@ bool has_to_stay(const std::string& key) {
 std::string without_numbers(const std::string& text) {
   std::string words;
   for (const char c : text) {
-    if (c < '0' || c > '9')
+    if (!config::is_digit(c))
       words += c;
     else if (words.empty() || words.back() != '#')
       words += '#';

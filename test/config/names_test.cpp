@@ -35,6 +35,15 @@ TEST(PlainText, IsUtf8WithoutControlCharacters) {
     EXPECT_FALSE(is_plain_text(text)) << text;
 }
 
+TEST(Digits, AreThoseOfAsciiAloneAndAtMostSoMany) {
+  EXPECT_TRUE(are_digits("7"));
+  EXPECT_TRUE(are_digits("0123456789"));
+  EXPECT_TRUE(are_digits("255", 3));
+  EXPECT_FALSE(are_digits("1000", 3));
+  for (const char* text : {"", " 1", "1 ", "+1", "-1", "1.0", "0x1", "\xD9\xA1"})
+    EXPECT_FALSE(are_digits(text)) << text;
+}
+
 TEST(PrintableText, IsOneLineAndOfALongTextTheBeginning) {
   EXPECT_EQ(printable(std::string("a\nb\0c\x7f", 6)), "a?b?c?");
   EXPECT_EQ(printable(std::string(60, 'x')), std::string(60, 'x'));

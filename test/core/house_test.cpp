@@ -139,7 +139,7 @@ const std::map<std::string, Parts> kMayInclude{
      {"wire", "core", "fault", "link", "config", "setup", "host", "client", "live", "process", "runtime", "sim",
       "sim_tools", "event_loop", "limb_ring"}},
     {"program_stage", {"wire", "core", "fault", "config", "process", "runtime", "scenario", "sim", "virtual_host"}},
-    {"live", {"fault", "wire", "process", "promises", "limb_ring"}},
+    {"live", {"fault", "wire", "config", "process", "promises", "limb_ring"}},
     {"ask", {"wire", "live", "payload", "process", "limb_ring"}},
     {"bench", {"wire", "capture", "core", "promises", "config", "live", "process", "statistics", "limb_ring"}},
     {"app/common", {}},

@@ -4,6 +4,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "config/characters.h"
+
 namespace limb_ring::study {
 
 namespace {
@@ -13,8 +15,7 @@ constexpr std::array<const char*, 10> kWords{"lost", "header-damaged", "data-dam
 
 /// A whole number of at most 6 digits. @throw std::invalid_argument
 unsigned number_from(const std::string& text, const std::string& part) {
-  const bool digits = !text.empty() && text.size() <= 6 && text.find_first_not_of("0123456789") == std::string::npos;
-  if (digits) return static_cast<unsigned>(std::stoul(text));
+  if (config::are_digits(text, 6)) return static_cast<unsigned>(std::stoul(text));
   throw std::invalid_argument("'" + part + "': '" + text +
                               "' is no whole number from 0 to 999999, as in 12:lost or 20:restart:1");
 }
