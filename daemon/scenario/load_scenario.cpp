@@ -70,8 +70,7 @@ void check_line(const Entry& entry, const Step& step, const config::RingConfig& 
   const auto* fault = std::get_if<fault::Fault>(&step.action);
   const auto* action = std::get_if<SoakAction>(&step.action);
   if (ring.folds_back()) return;
-  using Kind = SoakAction::Kind;
-  if (action && (action->kind == Kind::cut_cable || action->kind == Kind::mend_cable))
+  if (action && (action->kind == SoakAction::Kind::cut_cable || action->kind == SoakAction::Kind::mend_cable))
     entry.find("do")->refuse("only a ring that folds back has cables of two lines", "redundancy: foldback, or wire");
   if ((fault && fault->second_line) || (action && action->second_line))
     entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
