@@ -29,7 +29,9 @@ def enter_build():
     if os.environ.get('LIMB_RING_DEMO_ENTERED') or not os.path.exists(SETUP):
         sys.exit('%s: the ROS messages of limb_ring are not built; run `make build` first' % os.path.basename(script))
     os.environ['LIMB_RING_DEMO_ENTERED'] = '1'
-    os.execvp('bash', ['bash', '-c', '. "$0" && exec /usr/bin/python3 "$@"', SETUP, script, *sys.argv[1:]])
+    # In a function, or catkin's setup.bash would take our arguments for its own, and --help for a question to it.
+    os.execvp('bash', ['bash', '-c', 'enter() { . "$0"; }; enter && exec /usr/bin/python3 "$@"', SETUP, script,
+                       *sys.argv[1:]])
 
 
 def free_port():

@@ -74,6 +74,8 @@ set_tests_properties(roslaunch_check PROPERTIES ENVIRONMENT "ROS_HOME=${PROJECT_
 add_test(NAME machines COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/machines_test.py)
 set_tests_properties(machines PROPERTIES TIMEOUT 180 RUN_SERIAL TRUE SKIP_REGULAR_EXPRESSION "skipped: "
   ENVIRONMENT "RING_TEST_PROGRAMS=$<TARGET_FILE_DIR:ringd>;PYTHONDONTWRITEBYTECODE=1")
+add_test(NAME enter_build COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/enter_build_test.py
+         ${CATKIN_DEVEL_PREFIX}/setup.bash)
 # Eight seconds of the ring's time, twice.
 add_test(NAME virtual_demo COMMAND ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/virtual_demo --duration 8
          --programs $<TARGET_FILE_DIR:ringd>)
