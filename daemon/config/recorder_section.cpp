@@ -51,7 +51,7 @@ const Section<RecorderConfig>& recorder_section() {
     Section<RecorderConfig> all{
         flag_option("enabled", &RecorderConfig::enabled, "Record, on a live ring; as `ringctl up --record`."),
         integer_option("size", &RecorderConfig::size, {1u << 20, 1u << 30},
-                       "Bytes of each node's file; the newest stays. It lies in the ring's runtime folder."),
+                       "Bytes of each node's file; the newest stays. It lies in the ring's folder."),
     };
     for (const Option<RecorderSaves>& option : saves_section())
       all.push_back({option.name, option.fallback, option.allowed, option.meaning,

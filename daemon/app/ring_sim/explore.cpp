@@ -119,16 +119,12 @@ int run_all(const ExploreOptions& options) {
 }
 
 constexpr const char* kExploreHelp =
-    "Not a sample but all: a small ring with a few sends, once with each fault at each place where it can fall "
-    "(each slice that leaves a node is one, until all sends have ended and the ring is whole again), and with each "
-    "further fault behind that; every promise of the ring "
-    "checked at every event; stops at the first that is broken. Faults: that slice lost, damaged in its first, "
-    "middle or last byte, doubled (not with fold-back) or late; a node restarted, or frozen for 3 ms, a line cut and "
-    "mended 3 ms later; "
-    "and, counted like a fault, an INTP sent by a node just then. Between two strikes at least one slice leaves. "
-    "A run that comes into a state in which another one was ends there, since both would go on in the same way: its "
-    "states are compared, by a hash of 64 bits, after every slice while more may strike, and when all sends have "
-    "ended.";
+    "A place is a slice that leaves a node, until all sends have ended and the ring is whole again. Faults: that "
+    "slice lost, damaged in its first, middle or last byte, doubled (not with fold-back) or late; a node restarted, "
+    "or frozen for 3 ms, a line cut and mended 3 ms later; and, counted like a fault, an INTP sent by a node just "
+    "then. Between two strikes at least one slice leaves. A run that comes into a state in which another one was "
+    "ends there, since both would go on in the same way: its states are compared, by a hash of 64 bits, after every "
+    "slice while more may strike, and when all sends have ended.\n";
 
 void add_size(CLI::App& command, study::World& world) {
   command.add_option("--nodes", world.nodes, "Nodes of the ring, 2 to 6; default 3")->transform(cli::whole(2, 6));
@@ -181,7 +177,12 @@ int run(ExploreOptions& options) {
 
 void add_explore(CLI::App& app, Context& context) {
   auto options = std::make_shared<ExploreOptions>();
-  CLI::App* command = add_command(app, "explore", kExploreHelp);
+  CLI::App* command = add_command(
+      app, "explore",
+      "A small ring with a few sends, once with each fault at each place where it can fall, and with each further "
+      "fault behind that: not a sample but all; every promise of the ring checked at every event; stops at the first "
+      "that is broken");
+  command->footer(kExploreHelp + std::string(kExitCodesHelp));
   add_size(*command, options->world);
   add_bounds(*command, *options);
   add_line_options(*command, options->world);

@@ -59,19 +59,19 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       "Exit codes: 0 ended as asked, 1 could not run, 2 wrong usage or configuration."};
   app.name("ringd");
   app.add_option("--config", o.config, "YAML file of the ring; without it a plain ring of --nodes nodes");
-  app.add_option("--node", o.node, "this node: its id or name");
-  app.add_option("--index", o.index, "this node: its place in ring order, from 0 (instead of --node)")
+  app.add_option("--node", o.node, "This node: its id or name");
+  app.add_option("--index", o.index, "This node: its place in ring order, from 0 (instead of --node)")
       ->transform(cli::whole(0, config::kMostNodes - 1));
-  app.add_option("--nodes", o.nodes, "number of nodes, 2 to 255; with --config it must be the configuration's")
+  app.add_option("--nodes", o.nodes, "Number of nodes, 2 to 255; with --config it must be the configuration's")
       ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
-  app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
+  app.add_option("--ring", o.ring, "Name of the ring (default: the configuration's, or 'plain')");
   app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
       ->transform(cli::one_of(config::transport_words()));
-  app.add_flag("--one-host", o.one_host, "all nodes are on this machine, whatever hosts the configuration gives");
+  app.add_flag("--one-host", o.one_host, "All nodes are on this machine, whatever hosts the configuration gives");
   add_clock(app, o);
   app.add_flag("--record", o.record,
                "Record all that goes into the network controller and comes out: 'ringctl record'");
-  app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
+  app.add_flag("--options", o.list_options, "Print every entry of the YAML file, and end");
   try {
     const auto asked = cli::read(app, own_arguments(argc, argv));
     if (!asked) return o;

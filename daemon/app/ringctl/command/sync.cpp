@@ -23,6 +23,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kLatchesPollPeriod{10};
 
+constexpr const char* kSyncHelp =
+    "The offset of a node h hops downstream of the source is its latch time, less the source's, less h * round trip / "
+    "ring size. Nodes on one host share a clock: what is printed for them is how unevenly the interrupt travelled.\n"
+    "One way: from the node before it that latched, measured where the two share a clock; of lines between hosts only "
+    "the sum is known.\n"
+    "Not done (exit code 1) where a node did not latch: it is down, or has no pin wired to sync.\n";
+
 struct SyncOptions {
   std::string from;
   bool json = false;
@@ -189,13 +196,8 @@ int run(const Context& context, const SyncOptions& options) {
 void add_sync(CLI::App& app, Context& context) {
   auto options = std::make_shared<SyncOptions>();
   CLI::App* command =
-      add_command(app, "sync",
-                  "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off.\n"
-                  "The offset of a node h hops downstream of the source is its latch time, less the source's,\n"
-                  "less h * round trip / ring size. Nodes on one host share a clock: what is printed for them\n"
-                  "is how unevenly the interrupt travelled. One way: from the node before it that latched,\n"
-                  "measured where the two share a clock; of lines between hosts only the sum is known.\n"
-                  "Not done (exit code 1) where a node did not latch: it is down, or has no pin wired to sync.");
+      add_command(app, "sync", "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off");
+  command->footer(kSyncHelp + std::string(kExitCodesHelp));
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

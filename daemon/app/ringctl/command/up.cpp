@@ -190,7 +190,7 @@ void add_request(CLI::App& command, UpRequest& request) {
 void add_stay(CLI::App& command, UpOptions& options) {
   command.add_flag("--detach", options.detach,
                    "Return when the ring is closed; its daemons go on, each with a log file "
-                   "NODE.log in the ring's folder");
+                   "ID.log in the ring's folder (of a virtual ring one for all, ring.log)");
   command
       .add_flag("--respawn", options.respawn,
                 "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
