@@ -5,7 +5,8 @@
 namespace limb_ring::ringctl {
 
 /// What --channel takes: 0 to 63, or the name of one that has one.
-/// @param control also channel 1, which is the network controllers' own
-CLI::Validator channel(bool control);
+CLI::Validator any_channel();
+/// The same without channel 1, which is the network controllers' own.
+CLI::Validator channel_of_clients();
 
 }  // namespace limb_ring::ringctl

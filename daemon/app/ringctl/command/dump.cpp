@@ -160,7 +160,7 @@ void add_filter(CLI::App& command, FilterWords& words) {
       ->transform(cli::whole(0, 3));
   command.add_option("--channel", words.channel, "Only data packets of these, 0 to 63, or user, control, joint, topic")
       ->delimiter(',')
-      ->transform(channel(/*control=*/true));
+      ->transform(any_channel());
   command.add_option("--sample", words.sample, "Of those only every so many-th")->transform(cli::whole(1, 1000000));
   command.add_option("--limit", words.limit, "At most so many a second from each node; default 0: no limit")
       ->transform(cli::whole(0, 1000000000));

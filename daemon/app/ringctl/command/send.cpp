@@ -80,7 +80,7 @@ void add_send(CLI::App& app, Context& context) {
   command->add_option("--to", options->to, "Node to send to, id or name, or all")->required();
   command->add_option("--priority", options->priority, "0 (highest) to 3; default 2")->transform(cli::whole(0, 3));
   command->add_option("--channel", options->channel, "0 (user, default), 2 to 63; joint is 2, topic is 3")
-      ->transform(channel(/*control=*/false));
+      ->transform(channel_of_clients());
   command->add_option("-c,--count", options->count, "How many, 1 to 1000000; default 1")
       ->transform(cli::whole(1, 1000000));
   command
