@@ -179,6 +179,12 @@ class LaunchArguments(unittest.TestCase):
         # A ring on a clock of its own is on one host.
         self.assertEqual(passed_on('host.launch') - {'machine'}, passed_on('ring.launch') - {'clock'})
 
+    def test_roslaunch_prints_what_an_argument_is_without_gaps(self):
+        folder = os.path.join(HERE, 'launch')
+        for file in os.listdir(folder):
+            for argument in xml.etree.ElementTree.parse(os.path.join(folder, file)).iter('arg'):
+                self.assertNotIn('  ', argument.get('doc', ''), file)  # --ros-args keeps the indentation of a second line
+
     def test_the_virtual_demo_has_help_and_says_nothing_else(self):
         ended = subprocess.run([os.path.join(HERE, 'scripts', 'virtual_demo'), '--help'], text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
