@@ -37,13 +37,13 @@ struct Pictures : testing::Test {
 TEST_F(Pictures, SayWhatTheyWereMadeWith) {
   EXPECT_EQ(figures_of(options), "N = 16, B = 512 bytes, R = 1000 Mbit/s, d = 0.512 us, seed 42");
   EXPECT_THAT(plot_efficiency(input()).script, HasSubstr(figures_of(options)));
-  EXPECT_THAT(plot_latency_nodes(input(), false).script,
+  EXPECT_THAT(plot_latency_nodes(input()).script,
               HasSubstr("N = 4 to 16, B = 512 bytes, R = 1000 Mbit/s, d = 0.512 us, seed 42"));
 }
 
 // T + d = 4.704 us: 2 hops of 4 nodes, 8 of 16.
 TEST_F(Pictures, LatencyAgainstNodesHasAColumnForEachMethodAndTheBound) {
-  EXPECT_EQ(plot_latency_nodes(input(), false).csv,
+  EXPECT_EQ(plot_latency_nodes(input()).csv,
             "nodes,limb_ring,bus,bound of limb_ring: N/2 (T + d)\n"
             "4,4.000000,4.000000,9.408000\n"
             "16,16.000000,16.000000,37.632000\n");
@@ -51,7 +51,7 @@ TEST_F(Pictures, LatencyAgainstNodesHasAColumnForEachMethodAndTheBound) {
 
 // At 100 Mbit/s T = 41.92 us.
 TEST_F(Pictures, LatencyAtOwnRatesHasTheBoundAtOurs) {
-  EXPECT_EQ(plot_latency_nodes(input(), true).csv,
+  EXPECT_EQ(plot_latency_nodes_own_rates(input()).csv,
             "nodes,limb_ring at 100 Mbit/s,bound of limb_ring: N/2 (T + d)\n"
             "4,4.000000,84.864000\n"
             "16,16.000000,339.456000\n");

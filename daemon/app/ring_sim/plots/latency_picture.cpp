@@ -61,9 +61,7 @@ std::string figures(const PlotInput& input, bool own_rate) {
   return figures_of(input.options, from_to, own_rate ? "the method's own" : rate_of(input.options.medium));
 }
 
-}  // namespace
-
-Picture plot_latency_nodes(const PlotInput& input, bool own_rate) {
+Picture latencies_of(const PlotInput& input, bool own_rate) {
   const std::string name = own_rate ? "latency_nodes_own_rates" : "latency_nodes";
   std::vector<Column> columns = columns_of(input, own_rate);
   columns.push_back(bound(input, own_rate));
@@ -73,5 +71,11 @@ Picture plot_latency_nodes(const PlotInput& input, bool own_rate) {
           title(what, figures(input, own_rate)) + range(input.options.nodes) + "file = '" + name +
               ".csv'\ncolumns = " + std::to_string(columns.size()) + "\n" + kPlot};
 }
+
+}  // namespace
+
+Picture plot_latency_nodes(const PlotInput& input) { return latencies_of(input, /*own_rate=*/false); }
+
+Picture plot_latency_nodes_own_rates(const PlotInput& input) { return latencies_of(input, /*own_rate=*/true); }
 
 }  // namespace limb_ring::ring_sim

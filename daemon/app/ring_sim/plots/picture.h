@@ -22,9 +22,10 @@ struct PlotInput {
 
 // ---- The pictures, one a file. Each may take a few seconds to be measured. ----
 
-/// Worst latency of a simultaneous start against the number of nodes.
-/// @param own_rate each method at its rate in the paper's Table I; else all at the medium's
-Picture plot_latency_nodes(const PlotInput& input, bool own_rate);
+/// Worst latency of a simultaneous start against the number of nodes, all methods at the medium's rate.
+Picture plot_latency_nodes(const PlotInput& input);
+/// The same, each method at its rate in the paper's Table I.
+Picture plot_latency_nodes_own_rates(const PlotInput& input);
 /// Payload delivered against payload offered, all methods at the medium's rate.
 Picture plot_efficiency(const PlotInput& input);
 /// Round trips of our ring under random load just below its saturation.

@@ -65,8 +65,8 @@ void PlotFolder::draw(const Picture& picture) const {
 
 void draw_all(const PlotFolder& folder, const PlotInput& input) {
   std::cerr << "ring_sim: plots ..." << std::endl;
-  folder.draw(plot_latency_nodes(input, false));
-  folder.draw(plot_latency_nodes(input, true));
+  folder.draw(plot_latency_nodes(input));
+  folder.draw(plot_latency_nodes_own_rates(input));
   folder.draw(plot_efficiency(input));
   folder.draw(plot_round_trips(input));
   folder.draw(plot_embedding(input));
