@@ -54,7 +54,7 @@ void LiveNodes::kill(std::size_t place) {
   if (node.port) take_messages();  // what it said before it died
   node = Node{};
   const auto is_its = [place](const Asked& asked) { return asked.place == place; };
-  ordered_.erase(std::remove_if(ordered_.begin(), ordered_.end(), is_its), ordered_.end());
+  outstanding_.erase(std::remove_if(outstanding_.begin(), outstanding_.end(), is_its), outstanding_.end());
 }
 
 void LiveNodes::freeze(std::size_t place) {
@@ -96,7 +96,7 @@ void LiveNodes::connect(std::size_t place) {
   try {
     node.port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[place].id), Stay::for_long));
     node.port->observe(json{{"kinds", {"pin"}}}.dump());
-    for (const json& what : std::exchange(node.orders, {})) order(place, what);
+    for (const json& what : std::exchange(node.pending, {})) request(place, what);
   } catch (const HostPortError&) {
     node.port.reset();  // not there yet: the next poll() tries again
   }
@@ -123,7 +123,7 @@ std::string LiveNodes::poll() {
   const bool complete = pump(Clock::now() + kPatience, all_have);
   for (std::size_t place = 0; !complete && place < nodes_.size(); ++place)
     if (nodes_[place].asked) return "node " + name(place) + " does not answer" + last_lines(place);
-  return failed_order_;
+  return request_error_;
 }
 
 bool LiveNodes::pump(Clock::time_point until, const std::function<bool()>& done) {
@@ -177,26 +177,26 @@ void LiveNodes::answered(std::size_t place, const Reply& reply) {
   const auto is = [&](const Asked& asked) { return asked.place == place && asked.token == reply.token; };
   const json answer = json::parse(reply.json);
   if (asked_ && is(*asked_)) asked_->answer = answer;
-  const auto order = std::find_if(ordered_.begin(), ordered_.end(), is);
-  if (order == ordered_.end()) return;
-  ordered_.erase(order);
-  if (answer.contains("error")) failed_order_ = answer["error"].get<std::string>();
+  const auto request = std::find_if(outstanding_.begin(), outstanding_.end(), is);
+  if (request == outstanding_.end()) return;
+  outstanding_.erase(request);
+  if (answer.contains("error")) request_error_ = answer["error"].get<std::string>();
 }
 
-LiveNodes::Asked LiveNodes::request(std::size_t place, const json& request) {
+LiveNodes::Asked LiveNodes::send(std::size_t place, const json& request) {
   if (!port(place)) throw NotDone("node " + name(place) + " is not there: " + request.dump());
   return {place, port(place)->request(request.dump()), std::nullopt};
 }
 
-void LiveNodes::order(std::size_t place, const json& what) {
+void LiveNodes::request(std::size_t place, const json& what) {
   if (port(place))
-    ordered_.push_back(request(place, what));
+    outstanding_.push_back(send(place, what));
   else
-    nodes_[place].orders.push_back(what);
+    nodes_[place].pending.push_back(what);
 }
 
 json LiveNodes::ask(std::size_t place, const json& what) {
-  asked_ = request(place, what);
+  asked_ = send(place, what);
   if (!pump(Clock::now() + kPatience, [this] { return asked_->answer.has_value(); }))
     throw NotDone("node " + name(place) + " did not answer: " + what.dump());
   const json answer = *std::exchange(asked_, std::nullopt)->answer;

@@ -43,7 +43,7 @@ class LiveNodes {
   /// The last lines of a node's log.
   std::string last_lines(std::size_t place) const;
 
-  /// Fetches fresh status rows of all that run. @return which node does not answer, or the error of an order(); empty:
+  /// Fetches fresh status rows of all that run. @return which node does not answer, or the error of a request(); empty:
   /// all is well. @throw Interrupted
   std::string poll();
   /// The row of the last poll(); null if the node was not there.
@@ -58,7 +58,7 @@ class LiveNodes {
   nlohmann::json ask(std::size_t place, const nlohmann::json& request);
   /// As ask(), without waiting for the answer: a later poll() reports its error. A node that is frozen, or not there
   /// yet, does it when it can.
-  void order(std::size_t place, const nlohmann::json& request);
+  void request(std::size_t place, const nlohmann::json& request);
 
   /// Results and observations; called from pump().
   std::function<void(std::size_t place, const Message&)> on_message = [](std::size_t, const Message&) {};
@@ -71,8 +71,8 @@ class LiveNodes {
     bool frozen = false;
     std::optional<HostPort> port;
     std::optional<nlohmann::json> row;
-    std::optional<std::uint32_t> asked;  ///< for the row
-    std::vector<nlohmann::json> orders;  ///< until there is a connection
+    std::optional<std::uint32_t> asked;   ///< for the row
+    std::vector<nlohmann::json> pending;  ///< requests, until there is a connection
   };
 
   /// A request other than for the row.
@@ -82,7 +82,7 @@ class LiveNodes {
     std::optional<nlohmann::json> answer;
   };
 
-  Asked request(std::size_t place, const nlohmann::json& request);
+  Asked send(std::size_t place, const nlohmann::json& request);
   void answered(std::size_t place, const Reply& reply);
   const std::string& name(std::size_t place) const { return plan_.nodes[place].name; }
   bool ask_for_rows();
@@ -94,9 +94,9 @@ class LiveNodes {
   const RingPlan& plan_;
   process::SignalWait& signals_;
   std::vector<Node> nodes_;
-  std::optional<Asked> asked_;  ///< by ask()
-  std::vector<Asked> ordered_;
-  std::string failed_order_;
+  std::optional<Asked> asked_;      ///< by ask()
+  std::vector<Asked> outstanding_;  ///< by request()
+  std::string request_error_;
 };
 
 }  // namespace limb_ring::ringctl

@@ -233,7 +233,7 @@ void LiveStage::apply_at_daemon(Fault fault, std::size_t place) {
   const json request{{"do", "fault"}, {"fault", fault::to_words(fault, nodes_by_place(scenario_.ring))}};
   // Under the virtual clock too the scenario goes on while the CPU boots.
   if (fault.name == Name::reset || !nodes_.running(place) || !nodes_.port(place))
-    nodes_.order(place, request);
+    nodes_.request(place, request);
   else
     nodes_.ask(place, request);
   if (fault.name == Name::resume || fault.name == Name::reset || fault.name == Name::crash)
