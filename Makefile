@@ -163,4 +163,4 @@ install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 
 clean: ## Removes all builds
-	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-quick $(BUILD)-coverage $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb
+	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-quick $(BUILD)-coverage $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb $(BUILD)-no-ros
