@@ -20,7 +20,7 @@ TEST_F(CpuProcessTest, AttachedCpuIsAbsentUntilItConnects) {
   const Outsider process;
   start(outside());
   EXPECT_EQ(status().state, wire::CpuState::absent);
-  EXPECT_TRUE(cpu->attached(process.pid(), true, 0ms));
+  EXPECT_TRUE(cpu->attached(process.pid(), kOwnerRestartsIt, 0ms));
   EXPECT_EQ(status().state, wire::CpuState::running);
   EXPECT_EQ(status().pid, process.pid());
   cpu->detached(process.pid());
@@ -31,7 +31,7 @@ TEST_F(CpuProcessTest, AttachedCpuIsAbsentUntilItConnects) {
 TEST_F(CpuProcessTest, ResetKillsTheAttachedProcessThoughStopped) {
   Outsider process;
   start(outside());
-  cpu->attached(process.pid(), true, 0ms);
+  cpu->attached(process.pid(), kOwnerRestartsIt, 0ms);
   ::kill(process.pid(), SIGSTOP);
   ASSERT_TRUE(until_stopped(process.pid()));
   const CpuActionResult report = cpu->reset("test");
@@ -45,7 +45,7 @@ TEST_F(CpuProcessTest, ResetKillsTheAttachedProcessThoughStopped) {
 TEST_F(CpuProcessTest, ResetSaysWhereNobodyRestartsTheAttachedProcess) {
   const Outsider process;
   start(outside());
-  cpu->attached(process.pid(), false, 0ms);
+  cpu->attached(process.pid(), kNobodyRestartsIt, 0ms);
   const CpuActionResult report = cpu->reset("test");
   EXPECT_TRUE(report.done);
   EXPECT_FALSE(report.comes_back);
@@ -64,18 +64,18 @@ TEST_F(CpuProcessTest, KilledProcessCannotAttachAgainButItsSuccessorCan) {
   Outsider process;
   const Outsider successor;
   start(outside());
-  cpu->attached(process.pid(), true, 0ms);
+  cpu->attached(process.pid(), kOwnerRestartsIt, 0ms);
   cpu->reset("test");
-  EXPECT_FALSE(cpu->attached(process.pid(), true, 0ms));
-  EXPECT_TRUE(cpu->attached(successor.pid(), true, 0ms));
+  EXPECT_FALSE(cpu->attached(process.pid(), kOwnerRestartsIt, 0ms));
+  EXPECT_TRUE(cpu->attached(successor.pid(), kOwnerRestartsIt, 0ms));
   EXPECT_EQ(status().boots, 2u);
 }
 
 TEST_F(CpuProcessTest, EndOfTheFormerCpuLeavesItsSuccessorAlone) {
   const Outsider former, successor;
   start(outside());
-  cpu->attached(former.pid(), true, 0ms);
-  cpu->attached(successor.pid(), true, 0ms);
+  cpu->attached(former.pid(), kOwnerRestartsIt, 0ms);
+  cpu->attached(successor.pid(), kOwnerRestartsIt, 0ms);
   cpu->detached(former.pid());
   EXPECT_EQ(status().state, wire::CpuState::running);
   EXPECT_EQ(status().pid, successor.pid());
@@ -86,7 +86,7 @@ TEST_F(CpuProcessTest, ProcessThatIsGoneCannotAttach) {
   const pid_t pid = process.pid();
   process.end();
   start(outside());
-  EXPECT_FALSE(cpu->attached(pid, true, 0ms));
+  EXPECT_FALSE(cpu->attached(pid, kOwnerRestartsIt, 0ms));
   EXPECT_EQ(status().boots, 0u);
 }
 
@@ -102,7 +102,7 @@ TEST_F(CpuProcessTest, HandleNeverSignalsAProcessThatHasEnded) {
 TEST_F(CpuProcessTest, CpuThatBreaksItsPromiseIsSilentUntilItSpeaks) {
   const Outsider process;
   start(outside());
-  cpu->attached(process.pid(), true, 10ms);
+  cpu->attached(process.pid(), kOwnerRestartsIt, 10ms);
   ASSERT_TRUE(until([&] { return status().state == wire::CpuState::silent; }));
   EXPECT_GE(status().silent, 30ms);
   cpu->spoke(std::chrono::steady_clock::now());
@@ -113,7 +113,7 @@ TEST_F(CpuProcessTest, CpuThatBreaksItsPromiseIsSilentUntilItSpeaks) {
 TEST_F(CpuProcessTest, DaemonThatSleptDoesNotBlameTheCpu) {
   const Outsider process;
   start(outside());
-  cpu->attached(process.pid(), true, 40ms);
+  cpu->attached(process.pid(), kOwnerRestartsIt, 40ms);
   std::this_thread::sleep_for(200ms);  // the daemon's own sleep: 80 ms longer than three periods
   io.poll();
   EXPECT_EQ(status().state, wire::CpuState::running);

@@ -18,7 +18,7 @@ TEST_F(CpuProcessTest, ChildIsBootingUntilItAttaches) {
   start(child(kSleeper));
   EXPECT_EQ(status().state, wire::CpuState::booting);
   EXPECT_EQ(status().boots, 0u);
-  EXPECT_TRUE(cpu->attached(status().pid, false, 0ms));
+  EXPECT_TRUE(cpu->attached(status().pid, kNobodyRestartsIt, 0ms));
   EXPECT_EQ(status().state, wire::CpuState::running);
   EXPECT_EQ(status().boots, 1u);
   EXPECT_EQ(status().kind, CpuKind::child);
@@ -35,7 +35,7 @@ TEST_F(CpuProcessTest, ChildThatGreetsAndLeavesDoesNotBoot) {
 
 TEST_F(CpuProcessTest, ChangesAreToldFromTheEventLoopOnly) {
   start(child(kSleeper));
-  cpu->attached(status().pid, false, 0ms);
+  cpu->attached(status().pid, kNobodyRestartsIt, 0ms);
   EXPECT_EQ(changes, 0);
   EXPECT_TRUE(until([&] { return changes == 1; }));
 }
@@ -43,7 +43,7 @@ TEST_F(CpuProcessTest, ChangesAreToldFromTheEventLoopOnly) {
 TEST_F(CpuProcessTest, ResetOfAStoppedChildGivesANewProcess) {
   start(child(kSleeper));
   const pid_t old = status().pid;
-  cpu->attached(old, false, 0ms);
+  cpu->attached(old, kNobodyRestartsIt, 0ms);
   ::kill(old, SIGSTOP);
   ASSERT_TRUE(until_stopped(old));
 
@@ -54,7 +54,7 @@ TEST_F(CpuProcessTest, ResetOfAStoppedChildGivesANewProcess) {
   EXPECT_EQ(process_state(old), 0) << "the old child was not waited for";
   EXPECT_EQ(status().state, wire::CpuState::booting);
   EXPECT_EQ(status().boots, 1u) << "a boot counts when the new process attaches, not before";
-  EXPECT_TRUE(cpu->attached(status().pid, false, 0ms));
+  EXPECT_TRUE(cpu->attached(status().pid, kNobodyRestartsIt, 0ms));
   EXPECT_EQ(status().boots, 2u);
   EXPECT_EQ(status().resets, 1u);
   EXPECT_EQ(status().last_reset_reason, "INTP from node 0");
@@ -94,7 +94,7 @@ TEST_F(CpuProcessTest, ProcessBeingResetCannotAttachAnyMore) {
   start(child(kSleeper));
   const pid_t old = status().pid;
   cpu->reset("test");
-  EXPECT_FALSE(cpu->attached(old, false, 0ms));
+  EXPECT_FALSE(cpu->attached(old, kNobodyRestartsIt, 0ms));
   EXPECT_EQ(status().boots, 0u);
 }
 
@@ -178,7 +178,7 @@ TEST_F(CpuProcessTest, ChildThatLetsGoOfTheHostPortMustAttachAgain) {
   options.boot_timeout = 20ms;
   start(options);
   const pid_t old = status().pid;
-  ASSERT_TRUE(cpu->attached(old, false, 0ms));
+  ASSERT_TRUE(cpu->attached(old, kNobodyRestartsIt, 0ms));
   cpu->detached(old);
   EXPECT_EQ(status().state, wire::CpuState::booting);
   EXPECT_TRUE(until_new_child(old));

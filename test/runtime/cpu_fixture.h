@@ -27,6 +27,9 @@ using test::run_until;
 /// port: it says when a process has attached.
 class CpuProcessTest : public ::testing::Test, public CpuEvents {
  protected:
+  /// What a process that attaches says of its owner; of a child it does not count.
+  static constexpr bool kOwnerRestartsIt = true, kNobodyRestartsIt = false;
+
   void on_cpu_changed() override { ++changes; }
 
   CpuOptions child(std::vector<std::string> command) {
