@@ -231,7 +231,9 @@ class Reasons(RingTest):
         self.assertEqual(port.wait(port.interrupt(1, 7)).reason, 'pin INT7 of node1 is wired to nothing')
 
     def test_a_node_that_is_gone_is_no_such_node_for_a_reason(self):
-        daemons = self.start_ring(plain_nodes(3))
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = 'attached'  # a node without one cannot be reset
+        daemons = self.start_ring(nodes)
         daemons[1].kill()
         self.wait_closed([0, 2])
         sent = self.ctl_json('send', '--from', 0, '--to', 1, '--size', 8, code=1)['results'][0]
