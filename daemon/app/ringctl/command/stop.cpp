@@ -21,10 +21,12 @@ struct StopOptions {
 };
 
 constexpr const char* kStopHelp =
-    "Without --from, what was not reached is asked to send the stop as well: in an open chain, or in a ring that has "
-    "folded into parts, it reaches all whose daemon is on this host.\n"
-    "0: each CPU says that it has stopped, or runs, was told and never says so; 1: a node was not reached; 4: nobody "
-    "knows of some node, or its CPU was told and is silent, or did not run and comes up without the stop.\n";
+    "Without --from, nodes that the stop has not reached are asked to send it as well: so it reaches all whose "
+    "daemon is on this host also in an open chain, or in a ring that has folded into parts.\n"
+    "It ends with 0 where each CPU has said that it has stopped, or was told while it ran and is of a kind that "
+    "never says so (not limb_firmware); with 1 where the stop did not reach a node; with 4 where nobody knows: a "
+    "node's daemon does not answer, or its CPU was told and is silent, or did not run and comes up without the "
+    "stop.\n";
 
 nlohmann::json to_json(const std::vector<ask::KnownStop>& stops) {
   nlohmann::json list = nlohmann::json::array();
@@ -118,7 +120,7 @@ void add_stop(CLI::App& app, Context& context) {
       app, "stop", "Stop joints: an interrupt that sends CPUs into their safe state, until 'ringctl resume'");
   command->add_option("NODE", options->node, "Node, id or name, or all (default)");
   command->add_option("--from", options->from,
-                      "The one node that sends; default: the first that answers, and who else it takes");
+                      "The one node that sends; default: the first that answers, and others where it takes more");
   command->footer(kStopHelp + std::string(kExitCodesHelp));
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
