@@ -134,7 +134,8 @@ void Comparison::goes_in(const core::Input& input, Time now) {
   ran_ = std::holds_alternative<core::input::Run>(input);
   if (trace != 0) note(recorder::describe({now_, input}));
   model_.apply(input, now_);
-  due_ = now == kNever ? kNever : std::max(now_, model_.next_deadline(now_));
+  stands_still_ = stands_still_ && !ran_;
+  due_ = now == kNever || stands_still_ ? kNever : std::max(now_, model_.next_deadline(now_));
 }
 
 void Comparison::note(const std::string& what) {

@@ -37,8 +37,11 @@ class Comparison final : public core::Journal {
 
   const std::optional<Difference>& difference() const { return difference_; }
   Node& model() { return model_; }
-  /// Its driver does not call it in time, or it takes no time: nothing is said of when it should have been called.
-  void stands_still() { due_ = core::kNever; }
+  /// Its driver does not run it in time, or it takes no time: nothing is said of when it should have been, until it is.
+  void stands_still() {
+    stands_still_ = true;
+    due_ = core::kNever;
+  }
   /// So many calls before a difference are told with it.
   static inline std::size_t trace = 0;
   std::uint64_t compared() const { return compared_; }
@@ -53,6 +56,7 @@ class Comparison final : public core::Journal {
   Time now_;
   Time due_ = core::kNever;  ///< the specification has something to do then
   bool ran_ = false;         ///< run() was the last call
+  bool stands_still_ = false;
   std::uint64_t compared_ = 0;
   std::deque<std::string> last_;
   std::optional<Difference> difference_;

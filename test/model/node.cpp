@@ -54,10 +54,11 @@ void Node::input_up(int from, Time now) {
 }
 
 void Node::input_lost(Time now) {
+  const bool was_up = in_.up;
+  in_.up = false;  // a beacon that follows from a packet that is broken off tells it already
   break_off_input(now);
-  if (!in_.up) return;
+  if (!was_up) return;
   input_is_another();
-  in_.up = false;
   in_.lost_since_home = true;
   lines_changed(now);
   watch_for_break(now);
