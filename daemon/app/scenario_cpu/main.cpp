@@ -4,6 +4,7 @@
 #include <limb_ring/payload/packet_type.h>
 
 #include <cstdio>
+#include <cstring>
 #include <exception>
 
 #include "app/scenario_cpu/taken_board.h"
@@ -22,7 +23,14 @@ void take_all(limb_ring::HostPort& port, limb_ring::scenario_cpu::TakenBoard& bo
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) {
+    const bool help = std::strcmp(argv[1], "--help") == 0 || std::strcmp(argv[1], "-h") == 0;
+    std::fprintf(help ? stdout : stderr,
+                 "scenario_cpu: the CPU of every node of a scenario on live daemons: takes packets, and counts them where\n"
+                 "the scenario sees it. 'ringctl scenario run --live' has ringd start it. No options.\n");
+    return help ? 0 : 2;
+  }
   try {
     limb_ring::ConnectOptions options;  // ring and node: the environment's, as ringd sets it
     options.role = limb_ring::Role::cpu;
