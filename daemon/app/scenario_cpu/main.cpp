@@ -26,9 +26,10 @@ void take_all(limb_ring::HostPort& port, limb_ring::scenario_cpu::TakenBoard& bo
 int main(int argc, char** argv) {
   if (argc > 1) {
     const bool help = std::strcmp(argv[1], "--help") == 0 || std::strcmp(argv[1], "-h") == 0;
-    std::fprintf(help ? stdout : stderr,
-                 "scenario_cpu: the CPU of every node of a scenario on live daemons: takes packets, and counts them where\n"
-                 "the scenario sees it. 'ringctl scenario run --live' has ringd start it. No options.\n");
+    std::fprintf(
+        help ? stdout : stderr,
+        "scenario_cpu: the CPU of every node of a scenario on live daemons: takes packets, and counts them where\n"
+        "the scenario sees it. 'ringctl scenario run --live' has ringd start it. No options.\n");
     return help ? 0 : 2;
   }
   try {
