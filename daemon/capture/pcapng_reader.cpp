@@ -6,6 +6,7 @@
 
 #include "capture/pcapng.h"
 #include "capture/pseudo_header.h"
+#include "wire/data_packet.h"
 
 namespace limb_ring::capture {
 
