@@ -45,6 +45,7 @@ void Node::lines_changed(Time now) {
 void Node::start_over(Time now) {
   announced_at_ = kNever;
   cancel_all(now);
+  new_hello_wanted_ = grown_together_ = false;
   peers_.clear();
   ring_size_ = 0;
   signs_ = 0;
@@ -183,6 +184,7 @@ void Node::sign_of_duplicate(Time now) {
   signs_ = 0;
   announced_at_ = hello_due_ = kNever;
   cancel_all(now);
+  new_hello_wanted_ = grown_together_ = false;
   ++boot_;
   data_.numbers.clear();
   interrupts_.numbers.clear();

@@ -110,7 +110,7 @@ void Node::cancel(core::Owner owner, Time now) {
   }
 }
 
-/// Starting over: nothing is left.
+/// Nothing is left.
 void Node::cancel_all(Time now) {
   hello_out_ = beacon_out_ = false;
   for (Unit* unit : {&data_, &interrupts_}) {
@@ -124,7 +124,6 @@ void Node::cancel_all(Time now) {
     if (unit->flight) unit->free_since = now;  // the pace of an open chain goes on (protocol.md section 7.4)
     unit->flight.reset();
   }
-  new_hello_wanted_ = grown_together_ = false;
 }
 
 /// A break is known. (protocol.md section 8.4)
