@@ -246,9 +246,9 @@ class Ledger {
   void forget_settled(Source& source);
 
   Complain complain_;
-  std::vector<Time> forgotten_before_;  ///< by node
   bool fold_back_;
   std::vector<Source> sources_;
+  std::vector<Time> forgotten_before_;  ///< by node
   PassedOver passed_over_;
   std::vector<std::uint32_t> newest_;  ///< token, by node, source, queue
   Time released_{core::Duration{-1}};  ///< when a line last did
