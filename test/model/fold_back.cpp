@@ -33,10 +33,6 @@ void FoldBack::say(Line line, FoldWordKind kind, int node) {
 
 /// The NC's input and output as they are now. (protocol.md sections 8.9, 8.10)
 void FoldBack::tell_nc(Time now) {
-  if (!may_fold_ && lines_[0].from && lines_[0].to) {
-    may_fold_ = true;
-    if (folded()) say_again(now);
-  }
   BehindFold::Lines lines;
   lines.before = upstream_;
   lines.next = downstream_;

@@ -4,6 +4,10 @@
 namespace limb_ring::model {
 
 void FoldBack::decide_output(Time now) {
+  if (!may_fold_ && lines_[0].from && lines_[0].to) {
+    may_fold_ = true;
+    if (folded()) say_again(now);
+  }
   const bool back = (!lines_[0].to && may_fold_) || next_is_deaf_;
   if (back && output_ == Half::first) {
     output_ = Half::second;
