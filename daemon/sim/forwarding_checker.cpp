@@ -45,10 +45,13 @@ bool ForwardingChecker::went(const PacketHeader& header, const PacketTrailer& ta
   if (!due)
     complain_(it->due.promise, name(header, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
                                    std::to_string(it->due.fbc) + " at node " + std::to_string(id_));
-  // One alike may have come long before, and been dropped.
-  const auto newest = std::find_if(coming.rbegin(), coming.rend(), is_it);
-  if (header.code.interrupt) check_wait(newest->at + lag_, now, name(header, tail));
-  for (auto gone = coming.begin(); !header.code.interrupt && gone != it + 1; ++gone) bytes_ -= gone->size;
+  if (header.code.interrupt) {
+    // One alike may have come long before, and been dropped.
+    const auto newest = std::find_if(coming.rbegin(), coming.rend(), is_it);
+    check_wait(newest->at + lag_, now, name(header, tail));
+  } else {
+    for (auto gone = coming.begin(); gone != it + 1; ++gone) bytes_ -= gone->size;
+  }
   const bool good = it->due.good;
   coming.erase(coming.begin(), it + 1);
   return good;
