@@ -51,6 +51,15 @@ class Health : public ::testing::Test {
     node.tell(out, now);
     return out;
   }
+  /// Of what has just grown, until kWarnFor is over without more.
+  void expect_warning_for_a_while(const std::string& message) {
+    take();
+    EXPECT_EQ(of_node().level, Level::WARN);
+    EXPECT_EQ(of_node().message, message);
+    take();
+    now += kWarnFor + 1ns;
+    EXPECT_EQ(of_node().level, Level::OK);
+  }
   Status of_ring() const {
     Status out;
     tell_ring(status, out);
@@ -204,23 +213,13 @@ TEST_F(Health, WarnsOfANewBootAndOfANewDaemonWhoseCountersBeginAtZero) {
 TEST_F(Health, WarnsOfCommandsThatTheCpuDoesNotObey) {
   take();
   knee().commands_not_obeyed = 4;
-  take();
-  EXPECT_EQ(of_node().level, Level::WARN);
-  EXPECT_EQ(of_node().message, "commands not obeyed +4");
-  take();
-  now += kWarnFor + 1ns;
-  EXPECT_EQ(of_node().level, Level::OK);
+  expect_warning_for_a_while("commands not obeyed +4");
 }
 
 TEST_F(Health, WarnsOfJointStatesThatAreMissing) {
   take();
   knee().states_missing = 3;
-  take();
-  EXPECT_EQ(of_node().level, Level::WARN);
-  EXPECT_EQ(of_node().message, "joint states missing +3");
-  take();
-  now += kWarnFor + 1ns;
-  EXPECT_EQ(of_node().level, Level::OK);
+  expect_warning_for_a_while("joint states missing +3");
 }
 
 TEST_F(Health, OfTheRingWarnsOfEachLossOfTheBridgeThatHasGrown) {
