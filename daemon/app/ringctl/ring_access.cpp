@@ -21,6 +21,8 @@
 
 namespace limb_ring::ringctl {
 
+using std::chrono::steady_clock;
+
 namespace {
 
 std::vector<NodeName> names_of(const nlohmann::json& config) {
@@ -79,7 +81,6 @@ Daemons daemons_of(const std::string& ring, const std::string& first) {
 }
 
 constexpr std::chrono::milliseconds kWithOneAlone{500};  ///< with one daemon, before all are asked
-using std::chrono::steady_clock;
 
 /// Looks for a daemon that describes its ring.
 class Search {
