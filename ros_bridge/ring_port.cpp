@@ -60,18 +60,6 @@ RingPort::TimeGoesOn::TimeGoesOn(RingPort& port) : port_(port) {
   ring_bell(port_.wake_);
 }
 
-void RingPort::every(Clock::duration period, std::function<void()> tick, std::optional<nanoseconds> phase) {
-  ticks_.push_back({period, phase, {}, std::move(tick)});
-  ticks_.back().due = first_due(ticks_.back(), Clock::now());
-}
-
-RingPort::Clock::time_point RingPort::first_due(const Tick& tick, Clock::time_point now) {
-  if (!tick.phase) return now + tick.period;
-  const Clock::duration since = now.time_since_epoch() - *tick.phase;
-  const auto periods = since.count() < 0 ? 0 : since / tick.period + 1;
-  return Clock::time_point(periods * tick.period + *tick.phase);
-}
-
 void RingPort::start() {
   thread_ = std::thread([this] { run(); });
 }
@@ -99,7 +87,7 @@ void RingPort::run() {
     notice_time();
     take_messages();
     run_posted();
-    run_ticks();
+    ticks_.run(now());
     if (post_alive_.exchange(false) && port_ && !in_lockstep()) port_->alive();
   }
   port_.reset();
@@ -111,7 +99,7 @@ void RingPort::try_connect() {
   try {
     port_.emplace(HostPort::connect(options_));
     told_time_ = port_->now() - kClockPeriod;
-    if (in_lockstep()) restart_ticks();
+    if (in_lockstep()) ticks_.restart(now());
     report("");
   } catch (const HostPortError& error) {
     report(error.what());
@@ -124,10 +112,6 @@ RingPort::Clock::time_point RingPort::now() const {
 
 std::int64_t RingPort::stamp_of(Clock::time_point came) {
   return in_lockstep() ? port_->stamp().count() : wall_clock_.at(came);
-}
-
-void RingPort::restart_ticks() {
-  for (Tick& tick : ticks_) tick.due = first_due(tick, now());
 }
 
 // Without a connection the stamps stay with the clock that they had: a ring's time and the machine's are decades apart.
@@ -167,7 +151,7 @@ void RingPort::report(const std::string& problem) {
 RingPort::Clock::time_point RingPort::next_deadline() const {
   auto deadline = now() + kLongestWait;
   if (in_lockstep() && time_) deadline = std::max(now(), Clock::time_point(told_time_ + kClockPeriod));
-  for (const Tick& tick : ticks_) deadline = std::min(deadline, tick.due);
+  deadline = std::min(deadline, ticks_.next_due());
   if (!port_) deadline = std::min(deadline, next_try_);
   return deadline;
 }
@@ -213,7 +197,7 @@ void RingPort::lost(const std::string& reason) {
   const bool was_virtual = in_lockstep();
   port_.reset();
   message_.reset();
-  if (was_virtual) restart_ticks();
+  if (was_virtual) ticks_.restart(now());
   more_to_take_ = false;
   next_try_ = Clock::now() + kRetry;
   auto open = std::move(results_);
@@ -233,17 +217,6 @@ void RingPort::run_posted() {
   auto unsendable = std::move(unsendable_);
   unsendable_.clear();
   for (auto& on_result : unsendable) on_result(cancelled(0, "not connected"));
-}
-
-void RingPort::run_ticks() {
-  for (Tick& tick : ticks_) {
-    const auto now = this->now();
-    if (now < tick.due) continue;
-    tick.call();
-    // Late ticks are left out, not made up for: nobody wants old states in a burst.
-    do tick.due += tick.period;
-    while (tick.due <= now);
-  }
 }
 
 void RingPort::send(const Outgoing& packet, OnResult on_result) {

@@ -11,10 +11,12 @@
 #include <string>
 #include <thread>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "limb_ring/host_port.h"
 #include "process/wall_clock.h"
+#include "ros_bridge/periodic_calls.h"
 #include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
@@ -55,7 +57,9 @@ class RingPort {
   /// Called at absolute deadlines by now(), but only after everything that has come in was taken, so that what
   /// arrived while this process was not scheduled is not taken for missing.
   /// @param phase so long after the multiples of the period on now(); none: counted from the start
-  void every(Clock::duration period, std::function<void()> tick, std::optional<std::chrono::nanoseconds> phase = {});
+  void every(Clock::duration period, std::function<void()> tick, std::optional<std::chrono::nanoseconds> phase = {}) {
+    ticks_.add(period, phase, std::move(tick), Clock::now());
+  }
   void start();
   /// @}
 
@@ -108,15 +112,7 @@ class RingPort {
   }
 
  private:
-  struct Tick {
-    Clock::duration period;
-    std::optional<std::chrono::nanoseconds> phase;
-    Clock::time_point due;
-    std::function<void()> call;
-  };
-  static Clock::time_point first_due(const Tick& tick, Clock::time_point now);
   void run();
-  void restart_ticks();
   void notice_time();
   void try_connect();
   void wait_for_something();
@@ -125,14 +121,13 @@ class RingPort {
   void lost(const std::string& reason);
   void report(const std::string& problem);
   void run_posted();
-  void run_ticks();
   Clock::time_point next_deadline() const;
 
   ConnectOptions options_;
   std::array<OnPacket, 64> packets_;
   OnInterrupt interrupt_;
   std::vector<OnConnection> connection_;
-  std::vector<Tick> ticks_;
+  PeriodicCalls ticks_;
   std::function<void(std::chrono::nanoseconds)> time_;
 
   std::optional<HostPort> port_;
