@@ -1,8 +1,6 @@
 // The CPU as an outside process on the host port, and the commands of exec pins.
 #include <gmock/gmock.h>
 
-#include <thread>
-
 #include "runtime/cpu_fixture.h"
 
 namespace limb_ring::runtime {
@@ -108,29 +106,6 @@ TEST_F(CpuProcessTest, CpuThatBreaksItsPromiseIsSilentUntilItSpeaks) {
   cpu->spoke(std::chrono::steady_clock::now());
   EXPECT_EQ(status().state, wire::CpuState::running);
   EXPECT_TRUE(until([&] { return status().state == wire::CpuState::silent; }));
-}
-
-TEST_F(CpuProcessTest, DaemonThatSleptDoesNotBlameTheCpu) {
-  const Outsider process;
-  start(outside());
-  cpu->attached(process.pid(), kOwnerRestartsIt, 40ms);
-  std::this_thread::sleep_for(200ms);  // the daemon's own sleep: 80 ms longer than three periods
-  io.poll();
-  EXPECT_EQ(status().state, wire::CpuState::running);
-  EXPECT_TRUE(until([&] { return status().state == wire::CpuState::silent; }));
-}
-
-TEST(AttachedCpu, WithoutAPromiseIsNeverSilent) {
-  const AttachedCpu::Time start{};
-  const AttachedCpu cpu(process::ProcessHandle{}, false, 0ms, start);
-  EXPECT_FALSE(cpu.silent(start + 1h));
-}
-
-TEST(AttachedCpu, IsSilentAfterThreePeriods) {
-  const AttachedCpu::Time start{};
-  const AttachedCpu cpu(process::ProcessHandle{}, false, 10ms, start);
-  EXPECT_FALSE(cpu.silent(start + 29ms));
-  EXPECT_TRUE(cpu.silent(start + 30ms));
 }
 
 TEST_F(CpuProcessTest, NodeWithoutCpuHasNothingToReset) {

@@ -27,8 +27,8 @@ CpuProcess::CpuProcess(boost::asio::io_context& io, event_loop::NodeClock& clock
       boot_timer_(io),
       stop_timer_(io),
       restart_timer_(clock.timer([this] { restart_due(); })),
-      silence_timer_(clock.timer([this] { silence_due(); })),
-      end_timer_(clock.timer([this] { see_end(); })) {}
+      end_timer_(clock.timer([this] { see_end(); })),
+      silence_(clock, [this] { changed(); }) {}
 
 CpuProcess::~CpuProcess() = default;
 
@@ -104,8 +104,8 @@ void CpuProcess::boot_timed_out() {
 
 void CpuProcess::child_ended(const process::ExitStatus& status) {
   boot_timer_.cancel();
-  const bool was_cpu = attached_ && attached_->process().ended();
-  if (was_cpu && !on_virtual_ring()) attached_.reset();
+  const bool was_cpu = attached_ && attached_->process.ended();
+  if (was_cpu && !on_virtual_ring()) let_go();
   if (stopping_) return stopped();
   if (last_.was_reset) return start_child();
   last_.end = status;
@@ -163,52 +163,31 @@ bool CpuProcess::attached(pid_t pid, bool restarted_by_owner, milliseconds alive
   process::ProcessHandle process(pid, options_.by);
   const bool dying = (pid == killed_.pid() && !killed_.ended()) || (last_.is_being_killed() && child_.owns(pid));
   if (stopping_ || dying || process.ended()) return false;
-  attached_.emplace(std::move(process), restarted_by_owner, alive_period, clock_.now());
+  attached_ = Attached{std::move(process), restarted_by_owner};
   boot_timer_.cancel();
   last_.has_booted = true;
-  failed_ = silent_ = false;
+  failed_ = false;
   ++counts_.boots;
-  watch_silence();
+  silence_.begin(alive_period);
   changed();
   return true;
 }
 
 void CpuProcess::detached(pid_t pid) {
-  if (!attached_ || attached_->pid() != pid) return;
-  attached_.reset();
-  silence_timer_->cancel();
+  if (!attached_ || attached_->process.pid() != pid) return;
+  let_go();
   if (last_.end) return see_end_at(clock_.now());
   if (child_.running() && !stopping_) watch_boot();
   changed();
 }
 
+void CpuProcess::let_go() {
+  attached_.reset();
+  silence_.end();
+}
+
 void CpuProcess::spoke(Time now) {
-  if (!attached_) return;
-  attached_->spoke(now);
-  if (!silent_) return;
-  silent_ = false;
-  watch_silence();
-  changed();
-}
-
-void CpuProcess::watch_silence() {
-  if (attached_->promises()) watch_silence_until(attached_->silent_at());
-}
-
-void CpuProcess::watch_silence_until(Time when) {
-  silence_at_ = when;
-  silence_timer_->expires_at(when);
-}
-
-void CpuProcess::silence_due() {
-  if (!attached_) return;
-  const Time now = clock_.now();
-  if (!attached_->silent(now)) return watch_silence();  // it spoke meanwhile
-  // If this daemon itself was not scheduled in time, the CPU perhaps was not either: give it another period.
-  const bool late = now - silence_at_ > attached_->alive_period() / 4;
-  if (late) return watch_silence_until(now + attached_->alive_period());
-  silent_ = true;
-  changed();
+  if (attached_ && silence_.spoke(now)) changed();
 }
 
 // --- actions -----------------------------------------------------------------------------------
@@ -241,12 +220,11 @@ CpuActionResult CpuProcess::reset_child() {
 }
 
 CpuActionResult CpuProcess::kill_attached() {
-  const bool killed = attached_->process().signal(SIGKILL);
-  const bool comes_back = attached_->restarted_by_owner();
-  const std::string number = std::to_string(attached_->pid());
-  killed_ = attached_->release();
-  attached_.reset();
-  silence_timer_->cancel();
+  const bool killed = attached_->process.signal(SIGKILL);
+  const bool comes_back = attached_->restarted_by_owner;
+  const std::string number = std::to_string(attached_->process.pid());
+  killed_ = std::move(attached_->process);
+  let_go();
   if (!killed) return {false, false, "cannot kill pid " + number + ": it is gone or not ours"};
   if (comes_back) return {true, true, "killed pid " + number + ", its owner starts it again"};
   return {true, false,
@@ -257,7 +235,7 @@ CpuActionResult CpuProcess::kill_attached() {
 
 CpuActionResult CpuProcess::signal(int number) {
   const process::ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
-  const process::ProcessHandle& process = attached_ ? attached_->process() : child;
+  const process::ProcessHandle& process = attached_ ? attached_->process : child;
   if (!process.signal(number)) return {false, false, "no CPU is there"};
   last_.fatal_sent = last_.fatal_sent || is_fatal(number);
   if (options_.on_signal) options_.on_signal(number);
@@ -279,7 +257,7 @@ void CpuProcess::stop(std::function<void()> done) {
   on_stopped_ = std::move(done);
   boot_timer_.cancel();
   restart_timer_->cancel();
-  silence_timer_->cancel();
+  silence_.end();
   end_timer_->cancel();
   commands_.stop();
   if (!child_.running()) {
@@ -319,13 +297,13 @@ CpuKind CpuProcess::kind() const {
 }
 
 wire::CpuState CpuProcess::state() const {
-  if (attached_) return silent_ ? wire::CpuState::silent : wire::CpuState::running;
+  if (attached_) return silence_.silent() ? wire::CpuState::silent : wire::CpuState::running;
   if (child_.running() || last_.end) return wire::CpuState::booting;
   if (kind() == CpuKind::none) return wire::CpuState::none;
   return failed_ ? wire::CpuState::failed : wire::CpuState::absent;
 }
 
-pid_t CpuProcess::pid() const { return attached_ ? attached_->pid() : child_.pid(); }
+pid_t CpuProcess::pid() const { return attached_ ? attached_->process.pid() : child_.pid(); }
 
 CpuStatus CpuProcess::status() const {
   CpuStatus status = counts_;
@@ -336,9 +314,9 @@ CpuStatus CpuProcess::status() const {
       on_virtual_ring() && (child_.running() || last_.end) && last_.has_booted && !last_.was_reset && !attached_;
   status.ending = child_.running() && last_.is_being_killed();
   if (!attached_) return status;
-  status.silent = attached_->silent_for(clock_.now());
-  status.alive_period = attached_->alive_period();
-  status.restarted_by_owner = attached_->restarted_by_owner();
+  status.silent = silence_.silent_for();
+  status.alive_period = silence_.alive_period();
+  status.restarted_by_owner = attached_->restarted_by_owner;
   return status;
 }
 

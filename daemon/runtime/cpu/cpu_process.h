@@ -16,9 +16,10 @@
 #include "process/back_off.h"
 #include "process/child_process.h"
 #include "process/find_program.h"
-#include "runtime/cpu/attached_cpu.h"
+#include "process/process_handle.h"
 #include "runtime/cpu/cpu_status.h"
 #include "runtime/cpu/pin_commands.h"
+#include "runtime/cpu/silence_watch.h"
 
 namespace limb_ring::runtime {
 
@@ -127,6 +128,12 @@ class CpuProcess {
     bool is_being_killed() const { return was_reset || boot_failed; }
   };
 
+  /// The process that holds the CPU's place on the host port.
+  struct Attached {
+    process::ProcessHandle process;
+    bool restarted_by_owner;
+  };
+
   wire::CpuState state() const;
   CpuKind kind() const;
   pid_t pid() const;
@@ -149,9 +156,7 @@ class CpuProcess {
   CpuActionResult reset_child();
   CpuActionResult kill_attached();
   void watch_boot();
-  void watch_silence();
-  void watch_silence_until(Time when);
-  void silence_due();
+  void let_go();  ///< nobody holds the CPU's place any more
   void force_stop();
   void stopped();
   template <class Action>
@@ -165,13 +170,12 @@ class CpuProcess {
   PinCommands commands_;
   process::BackOff back_off_;
   boost::asio::steady_timer boot_timer_, stop_timer_;
-  std::unique_ptr<event_loop::Timer> restart_timer_, silence_timer_, end_timer_;
-  Time silence_at_{};  ///< when silence_timer_ runs out
-  std::optional<AttachedCpu> attached_;
+  std::unique_ptr<event_loop::Timer> restart_timer_, end_timer_;
+  SilenceWatch silence_;
+  std::optional<Attached> attached_;
   process::ProcessHandle killed_;  ///< an attached process on its way out
   LastChild last_;
   bool failed_ = false;  ///< the last child ended badly, or could not be started
-  bool silent_ = false;
   bool stopping_ = false;
   bool event_posted_ = false;
   std::function<void()> on_stopped_;
