@@ -43,12 +43,8 @@ Answer ask_one(const std::string& ring, const NodeName& node, const nlohmann::js
   try {
     const auto begun = steady_clock::now(), deadline = std::min(all_by, begun + kAnswerTime);
     if (deadline <= begun) return {std::nullopt, "it was not asked: no time was left"};
-    const auto look = [&] {
-      if (steady_clock::now() < deadline) return;
-      const auto waited = std::chrono::ceil<milliseconds>(deadline - begun);
-      throw HostPortTimeout("its daemon did not answer within " + std::to_string(waited.count()) + " ms");
-    };
-    HostPort port = connect_node(ring, std::to_string(node.id), Stay::asks_only, look);
+    const auto time = std::chrono::ceil<milliseconds>(deadline - begun);
+    HostPort port = connect_within(time, ring, std::to_string(node.id), Stay::asks_only);
     const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
     return {checked(port, port.reply(port.request(request.dump()), std::max(left, milliseconds(0)))), ""};
   } catch (const std::exception& problem) {

@@ -11,6 +11,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/connect_node.h"
 #include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_clock.h"
@@ -34,7 +35,6 @@ namespace {
 
 /// How long a daemon that does not answer may delay the next picture.
 constexpr milliseconds kAnswerWait{500};
-constexpr const char* kLate = "its daemon does not answer within 500 ms";
 
 struct TopOptions {
   std::string ring;
@@ -69,10 +69,7 @@ class StatusPoll {
     if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
     try {
       if (!ports_[index])
-        ports_[index] = connect_node(ring_.ring(), std::to_string(node.id), Stay::for_long,
-                                     [until = steady_clock::now() + kAnswerWait] {
-                                       if (steady_clock::now() >= until) throw HostPortTimeout(kLate);
-                                     });
+        ports_[index] = connect_within(kAnswerWait, ring_.ring(), std::to_string(node.id), Stay::for_long);
       return ports_[index]->request(R"({"do": "status"})");
     } catch (const HostPortError& problem) {
       why_not = problem.what();  // it is asked again next time
@@ -89,7 +86,7 @@ class StatusPoll {
         auto row = nlohmann::json::parse(reply->json, nullptr, /*allow_exceptions=*/false);
         if (row.is_object()) return {row, ""};
       }
-      if (!message && ports_[index]->connected()) return {std::nullopt, kLate};
+      if (!message && ports_[index]->connected()) return {std::nullopt, no_answer_within(kAnswerWait)};
     }
     ports_[index].reset();
     return {std::nullopt, "its daemon has closed the connection"};
