@@ -47,6 +47,19 @@ bool has_said_hello(const json& row) {
   return state != "" && state != "starting" && state != "joining";
 }
 
+/// Starts the daemon as it was started last, to outlive this process. @param output for what it prints
+process::SpawnRequest as_last_time(const Holder& last, int output) {
+  process::SpawnRequest request;
+  request.path = last.program;
+  request.arguments = last.arguments;
+  request.arguments.insert(request.arguments.begin(), "ringd");
+  request.folder = last.folder;
+  request.output = output;
+  request.group = process::SpawnRequest::Group::session;
+  request.death_signal = 0;
+  return request;
+}
+
 NotDone not_joined(const std::string& ring, const std::string& node, milliseconds patience) {
   return NotDone(with_standing_clock(
       "node " + node + " was started, but has not joined the ring within " + std::to_string(patience.count()) + " ms",
@@ -162,15 +175,7 @@ void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
   const std::string log = folder_ + "/" + node(id).number + ".log";
   const process::UniqueFd output(::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!output.valid()) throw NotDone("cannot write " + log + ": " + std::strerror(errno));
-  process::SpawnRequest request;
-  request.path = last.program;
-  request.arguments = last.arguments;
-  request.arguments.insert(request.arguments.begin(), "ringd");
-  request.folder = last.folder;
-  request.output = output.get();
-  request.group = process::SpawnRequest::Group::session;
-  request.death_signal = 0;
-  process::Child daemon(process::spawn(request), request.path);
+  process::Child daemon(process::spawn(as_last_time(last, output.get())), last.program);
   // Where it has ended and the node runs all the same, somebody else has started it.
   const auto in_vain = [&] { return (daemon.reap() || daemon.ended()) && !holder(id).held; };
   const bool in_time = wait_for([&] { return has_joined(id) || in_vain(); }, patience);
