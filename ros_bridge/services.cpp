@@ -1,20 +1,15 @@
 #include "ros_bridge/services.h"
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "ask/known_stops.h"
 #include "ask/reset_node.h"
-#include "ask/resume_cpu.h"
 #include "ask/send_on.h"
-#include "config/characters.h"
-#include "config/names.h"
-#include "config/quantity.h"
 #include "live/connect_node.h"
 #include "ros_bridge/answered.h"
 #include "ros_bridge/outcome_word.h"
+#include "ros_bridge/service_request.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -25,55 +20,13 @@ using std::chrono::milliseconds;
 
 constexpr int kStopThreads = 2, kCommandThreads = 2, kLongThreads = 3;
 constexpr auto kServiceConnect = 1s;
-constexpr auto kServiceAnswer = 10s;  // a send ends after timeouts.queue and its tries
-constexpr auto kReset = 3s;
-constexpr double kShortestTimeout = 1e-3, kLongestTimeout = 60.0;  // s, of a time-out
-
-std::string known_nodes(const config::RingConfig& ring) {
-  std::string names;
-  for (const auto& node : ring.nodes)
-    names += (names.empty() ? "" : ", ") + node.name + " (" + std::to_string(node.id) + ")";
-  return names;
-}
+constexpr std::chrono::seconds kReset{3};
 
 double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-
-/// The time-out that was asked for; 0: the usual one. Very short ones are refused: rosservice reads a whole number as
-/// nanoseconds, which nobody means here. @throw std::invalid_argument
-milliseconds timeout_of(const ros::Duration& asked, std::chrono::seconds usual) {
-  if (asked.isZero()) return usual;
-  if (asked.toSec() < kShortestTimeout || asked.toSec() > kLongestTimeout)
-    throw std::invalid_argument("timeout of " + config::format_time(std::chrono::nanoseconds(asked.toNSec())) +
-                                "; it must be 0 (for " + std::to_string(usual.count()) +
-                                " s), or 1 ms to 60 s: to rosservice 2 s are {secs: 2}");
-  return milliseconds(std::lround(asked.toSec() * 1000));
-}
 
 std::invalid_argument would_reset_bridge(const std::string& node, const std::string& instead) {
   return std::invalid_argument("node '" + node +
                                "' is this bridge's own: it would be killed before it could answer; use " + instead);
-}
-
-milliseconds until(std::chrono::steady_clock::time_point deadline) {
-  return std::max(0ms, std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now()));
-}
-
-/// One that has not come by then counts as lost: it may still have its effect.
-Result result_by(std::chrono::steady_clock::time_point deadline, std::future<Result>& result) {
-  if (result.wait_until(deadline) == std::future_status::ready) return result.get();
-  Result none;
-  none.outcome = Outcome::lost;
-  none.reason = "no result in time";
-  return none;
-}
-
-/// Why a node is not known to have resumed; empty: it has.
-std::string problem_of(const ask::Resumed& resumed) {
-  const Result& result = resumed.result;
-  if (resumed.done()) return "";
-  if (resumed.is_latched && result.outcome == Outcome::delivered) return ask::sentence_of_latched(resumed.node);
-  return resumed.node.name + ": the resume ended '" + to_string(result.outcome) + "'" +
-         (result.reason.empty() ? "" : ", " + result.reason);
 }
 
 template <typename Response>
@@ -82,19 +35,6 @@ void fill(Response& response, const std::string& outcome, double round_trip, con
   response.success = response.outcome == "delivered";
   response.round_trip = round_trip;
   response.message = message;
-}
-
-void tell(const std::vector<ask::Resumed>& nodes, Resume::Response& response) {
-  std::vector<std::string> said, resumed;
-  for (const auto& one : nodes) {
-    if (const std::string problem = problem_of(one); !problem.empty())
-      said.push_back(problem);
-    else
-      resumed.push_back(one.node.name);
-  }
-  response.success = said.empty();
-  if (!resumed.empty()) said.push_back("resumed: " + config::join(resumed, ", "));
-  response.message = config::join(said, "; ");
 }
 
 void take_result(const json& reply, Stop::Response& response) {
@@ -109,7 +49,6 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
     : ring_(ring),
       daemon_(std::move(daemon)),
       port_(port),
-      commands_(commands),
       stop_calls_(nodes, kStopThreads),
       command_calls_(nodes, kCommandThreads),
       long_calls_(nodes, kLongThreads) {
@@ -119,7 +58,7 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
   daemon_.asks_only = true;
   stop_calls_.names().advertise("stop", &Services::stop, this);
   command_calls_.names().advertise("send_interrupt", &Services::send_interrupt, this);
-  command_calls_.names().advertise("resume", &Services::resume, this);
+  resume_.emplace(command_calls_.names(), ring_, daemon_, port_, commands);
   long_calls_.names().advertise("reset_node", &Services::reset_node, this);
   faults_.emplace(long_calls_.names(), ring_, daemon_.node, port_);
   for (CallThreads* calls : {&stop_calls_, &command_calls_, &long_calls_}) calls->start();
@@ -129,23 +68,13 @@ Services::~Services() {
   for (CallThreads* calls : {&stop_calls_, &command_calls_, &long_calls_}) calls->stop();
 }
 
-std::uint8_t Services::one_node(const std::string& node) const {
-  if (const auto* found = ring_.find(node)) return found->id;
-  throw std::invalid_argument("no node '" + config::printable(node) + "' in ring " + ring_.ring +
-                              "; there are: " + known_nodes(ring_));
-}
-
-std::uint8_t Services::destination(const std::string& node) const {
-  return node == "all" ? kBroadcast : one_node(node);
-}
-
 bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& response) {
   return answered(port_, response, [&] {
-    const auto id = one_node(request.node);
+    const auto id = one_node(ring_, request.node);
     const auto timeout = timeout_of(request.timeout, kReset);
     const std::uint8_t own = HostPort::connect(daemon_).id();
     if (id == own) throw would_reset_bridge(request.node, "ringctl reset");
-    const auto reply = ask::reset_node({ring_.ring, nodes_to_ask(), id, own, true, timeout});
+    const auto reply = ask::reset_node({ring_.ring, nodes_to_ask(ring_), id, own, true, timeout});
     response.success = reply.value("success", false);
     response.message = reply.value("message", "");
     response.round_trip = reply.value("round_trip_us", 0.0) * 1e-6;
@@ -157,8 +86,8 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
   return answered(port_, response, [&] {
     if (request.factor > 7)
       throw std::invalid_argument("factor " + std::to_string(request.factor) + "; it must be 0 to 7");
-    const auto to = destination(request.node);
-    const auto timeout = timeout_of(request.timeout, kServiceAnswer);
+    const auto to = destination_of(ring_, request.node);
+    const auto timeout = timeout_of(request.timeout);
     auto port = HostPort::connect(daemon_);
     if (to == port.id() && ring_.find(to)->pins[request.factor].action == config::PinConfig::Action::reset)
       throw would_reset_bridge(request.node, "ringctl interrupt");
@@ -169,11 +98,11 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
 
 bool Services::stop(Stop::Request& request, Stop::Response& response) {
   return answered(port_, response, [&] {
-    const auto timeout = timeout_of(request.timeout, kServiceAnswer);
+    const auto timeout = timeout_of(request.timeout);
     const bool all = request.node.empty() || request.node == "all";
     json order = {{"do", "stop"}};
-    if (!all) order["node"] = std::to_string(one_node(request.node));
-    ask::SentStop sent{ring_.ring, nodes_to_ask(request.node), std::chrono::steady_clock::now(), all};
+    if (!all) order["node"] = std::to_string(one_node(ring_, request.node));
+    ask::SentStop sent{ring_.ring, nodes_to_ask(ring_, request.node), std::chrono::steady_clock::now(), all};
     auto port = HostPort::connect(daemon_);
     take_result(live::ask_for_people(port, order, timeout), response);
     sent.delivered = response.success;
@@ -186,64 +115,6 @@ bool Services::stop(Stop::Request& request, Stop::Response& response) {
       return reply.value("outcome", "") == to_string(Outcome::delivered);
     });
     response.message += (response.message.empty() ? "" : "; ") + sentence_of(ask::wait_for_stops(sent));
-  });
-}
-
-std::vector<ask::Node> Services::nodes_to_ask(const std::string& which) const {
-  std::vector<ask::Node> nodes;
-  for (const auto& node : ring_.nodes)
-    if (which.empty() || which == "all" || one_node(which) == node.id) nodes.push_back({node.id, node.name});
-  return nodes;
-}
-
-std::vector<ask::Resumed> Services::nodes_to_resume(std::uint8_t destination) const {
-  const auto latched = ask::nodes_with_latched_stop(ring_.ring, nodes_to_ask());
-  std::vector<ask::Resumed> nodes;
-  for (const auto& node : ring_.nodes) {
-    const bool was_latched = ask::is_among(latched, node.id), can_be = !node.joints.empty() || was_latched;
-    if (can_be && (destination == kBroadcast || destination == node.id))
-      nodes.push_back({{node.id, node.name}, {}, was_latched});
-  }
-  return nodes;
-}
-
-Result Services::resume_from(std::uint8_t sender, std::uint8_t node, milliseconds timeout) const {
-  ConnectOptions nearer = daemon_;
-  nearer.node = std::to_string(sender);
-  auto port = HostPort::connect(nearer);
-  return ask::resume_cpu(port, node, timeout);
-}
-
-std::future<Result> Services::ask_to_resume(std::uint8_t node) {
-  const auto done = std::make_shared<std::promise<Result>>();
-  auto result = done->get_future();
-  if (commands_.resume(node, [done](const Result& ended) { done->set_value(ended); })) return result;
-  Result busy;
-  busy.outcome = Outcome::cancelled;
-  busy.reason = "the bridge has too much to do";
-  done->set_value(busy);
-  return result;
-}
-
-// All are asked before the first one is waited for: the others do not pay for one that does not answer.
-bool Services::resume(Resume::Request& request, Resume::Response& response) {
-  return answered(port_, response, [&] {
-    const auto deadline = std::chrono::steady_clock::now() + timeout_of(request.timeout, kServiceAnswer);
-    const auto to = request.node.empty() ? kBroadcast : destination(request.node);
-    auto nodes = nodes_to_resume(to);
-    if (nodes.empty())
-      throw std::invalid_argument(to == kBroadcast
-                                      ? "no node has joints, and no stop is latched"
-                                      : "node '" + request.node + "' has no joints, and no stop is latched there");
-    std::vector<std::future<Result>> results;
-    for (const auto& one : nodes) results.push_back(ask_to_resume(one.node.id));
-    for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i].result = result_by(deadline, results[i]);
-    for (auto& one : nodes)
-      one.result = ask::resume_from_nearer(ring_.ring, one.node.id, one.result, [&](std::uint8_t sender) {
-        return resume_from(sender, one.node.id, until(deadline));
-      });
-    ask::look_at(ring_.ring, nodes_to_ask(), nodes);
-    tell(nodes, response);
   });
 }
 
