@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bench/suite.h"
+#include "bench/report.h"
 
 namespace limb_ring::bench {
 
