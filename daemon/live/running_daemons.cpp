@@ -164,6 +164,20 @@ void RunningDaemons::thaw(wire::NodeId id) const {
   signal(id, SIGCONT);
   if (!wait_for([&] { return !is_frozen(id); }, kSignalled))
     throw NotDone("node " + node(id).name + " does not go on (does a debugger hold it?)");
+  wait_for([&] { return lets_in(id); }, kSignalled);
+}
+
+/// Whoever has asked it in vain while it was frozen still stands before its door, and then has a client's place until
+/// it is seen to be gone. That it does not run, or is frozen again, is for whoever asks it next.
+bool RunningDaemons::lets_in(wire::NodeId id) const {
+  try {
+    connect(id);
+    return true;
+  } catch (const HostPortError&) {
+    return !holder(id).held;
+  } catch (const NotDone&) {
+    return true;
+  }
 }
 
 void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {

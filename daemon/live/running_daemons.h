@@ -47,6 +47,7 @@ class RunningDaemons {
   void kill(wire::NodeId node) const;
   /// SIGSTOP and SIGCONT, of the daemon alone: its CPU goes on.
   void freeze(wire::NodeId node) const;
+  /// It can be asked again when this returns, unless that takes it more than a few seconds.
   void thaw(wire::NodeId node) const;
   /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder. As
   /// wait_for_hello(); NotDone at once where the daemon ends instead.
@@ -60,6 +61,7 @@ class RunningDaemons {
   HostPortError no_daemon(wire::NodeId node) const;
   std::uint64_t boot_of(wire::NodeId node) const;
   bool has_joined(wire::NodeId node) const;
+  bool lets_in(wire::NodeId node) const;
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout) const;
   bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;

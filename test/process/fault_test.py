@@ -4,6 +4,7 @@ is whole again."""
 import os
 import re
 import signal
+import socket
 import subprocess
 
 import ring_process
@@ -85,6 +86,20 @@ class Nodes(FaultTest):
         self.assertEqual(self.fault('freeze', 'node2', '--for', '500ms'), 'done: freeze node2 for=500ms\n')
         self.wait_closed(range(4))
         self.wait('bypassed meanwhile', lambda: self.row(2)['boot'] > boot)
+
+    def test_a_thawed_node_can_be_asked_at_once_also_where_many_have_asked_it_in_vain(self):
+        daemons = self.start_ring(plain_nodes(3), timeouts=QUICK)
+        for thaw in (['thaw', 'node2'], ['clear']):
+            os.kill(daemons[2].pid, signal.SIGSTOP)
+            self.wait('node 2 to stand still', lambda: process_state(daemons[2].pid) == 'T')
+            with self.assertRaises(BlockingIOError):   # what waits at its door is limited
+                for _ in range(10000):
+                    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as in_vain:
+                        in_vain.setblocking(False)
+                        in_vain.connect(os.path.join(self.ring_folder(), '2.host'))
+            self.fault(*thaw)
+            self.assertIn('has no faults on purpose', self.fault('list'))
+            self.wait_closed(range(3))
 
     def test_ctrl_c_thaws_nodes_that_are_frozen_for_a_time(self):
         daemons = self.start_ring(plain_nodes(4), timeouts=QUICK)
