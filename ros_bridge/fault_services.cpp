@@ -65,7 +65,10 @@ bool FaultServices::clear(ClearFaults::Request& request, ClearFaults::Response& 
 
 bool FaultServices::list(ListFaults::Request&, ListFaults::Response& response) {
   return answered(port_, response, [&] {
-    for (const live::LiveFault& fault : faults_.list()) {
+    const live::FaultList list = faults_.list();
+    for (const std::string& problem : list.unknown) append(response.message, problem, "; ");
+    response.success = list.unknown.empty();
+    for (const live::LiveFault& fault : list.faults) {
       response.ids.push_back(fault.id);
       response.faults.push_back(fault.words);
       response.ages.push_back(fault.age_s);

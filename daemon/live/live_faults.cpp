@@ -204,17 +204,22 @@ std::optional<LiveFault> LiveFaults::node_fault(wire::NodeId node) const {
 std::vector<LiveFault> LiveFaults::faults_of(wire::NodeId node) const {
   std::vector<LiveFault> faults;
   if (auto of_node = node_fault(node)) return {*of_node};
+  if (!daemons_.holder(node).held) return {};
   const json answer = daemons_.ask(node, {{"do", "faults"}});
   for (const json& row : answer.at("faults")) faults.push_back(from_json(row, daemons_.node(node).name));
   return faults;
 }
 
-std::vector<LiveFault> LiveFaults::list() const {
+FaultList LiveFaults::list() const {
   const std::vector<wire::NodeId> ids = daemons_.node_ids();
   std::vector<std::vector<LiveFault>> found(ids.size());
-  at_the_same_time(ids, [&](std::size_t i) { found[i] = faults_of(ids[i]); });
-  std::vector<LiveFault> all;
-  for (const auto& faults : found) all.insert(all.end(), faults.begin(), faults.end());
+  const auto problems = at_the_same_time(ids, [&](std::size_t i) { found[i] = faults_of(ids[i]); });
+  FaultList all;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    all.faults.insert(all.faults.end(), found[i].begin(), found[i].end());
+    if (!problems[i].what.empty())
+      all.unknown.push_back("the faults at " + daemons_.node(ids[i]).name + " are not known: " + problems[i].what);
+  }
   return all;
 }
 

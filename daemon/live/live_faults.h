@@ -20,6 +20,12 @@ struct LiveFault {
   std::optional<double> seconds_left;
 };
 
+/// All faults that last, in ring order.
+struct FaultList {
+  std::vector<LiveFault> faults;
+  std::vector<std::string> unknown;  ///< for each daemon that runs and does not tell of its own: whose, and why
+};
+
 /// What has been done.
 struct Begun {
   std::string id;     ///< empty where it is over at once: heal, start, thaw, power_cycle, resume, reset, crash
@@ -41,8 +47,8 @@ class LiveFaults {
   /// @param wait may be called by several threads at a time; empty: nobody asks to end
   /// @return one for each of its nodes. @throw NotDone, HostPortError where a daemon is not there
   std::vector<Begun> begin(const fault::Fault& fault, const Wait& wait = {}) const;
-  /// In ring order. Of a daemon that does not answer, only that it is frozen or killed.
-  std::vector<LiveFault> list() const;
+  /// Of a daemon that does not answer, only that it is frozen or killed.
+  FaultList list() const;
   /// A frozen daemon is thawed, a killed one is started.
   /// @throw NotDone where there is no such fault, fault::ParseError where there can be none
   void remove(const std::string& id) const;

@@ -1,6 +1,7 @@
 """Faults on living nodes and CPUs: each takes effect before it is answered, is listed, is removed, and the ring
 is whole again."""
 
+import json
 import os
 import re
 import signal
@@ -100,6 +101,24 @@ class Nodes(FaultTest):
             self.fault(*thaw)
             self.assertIn('has no faults on purpose', self.fault('list'))
             self.wait_closed(range(3))
+
+    def test_faults_that_nobody_can_tell_of_are_not_said_to_be_none(self):
+        daemons = self.start_ring(plain_nodes(3), timeouts=QUICK)
+        os.kill(daemons[2].pid, signal.SIGSTOP)
+        self.wait('node 2 to stand still', lambda: process_state(daemons[2].pid) == 'T')
+        self.assertEqual(self.fault('list', code=1),
+                         'ringctl: the faults at node2 are not known: node node2 is frozen: its daemon does not answer; '
+                         'thaw it first\n')
+        self.begin('delay', 'node0:node1', '--delay', '1ms')
+        listed = self.ctl('fault', 'list')
+        self.assertEqual(listed.returncode, 1)
+        self.assertIn('node0.1', listed.stdout)
+        self.assertIn('the faults at node2 are not known', listed.stderr)
+        known = json.loads(self.ctl('fault', 'list', '--json').stdout)
+        self.assertEqual([fault['id'] for fault in known['faults']], ['node0.1'])
+        self.assertEqual(len(known['unknown']), 1)
+        self.fault('clear')
+        self.assertIn('has no faults on purpose', self.fault('list'))
 
     def test_ctrl_c_thaws_nodes_that_are_frozen_for_a_time(self):
         daemons = self.start_ring(plain_nodes(4), timeouts=QUICK)

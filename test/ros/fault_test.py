@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Faults on purpose through the bridge's services: they take effect, are listed and end."""
 import os
+import signal
 import subprocess
 import threading
 import unittest
@@ -81,6 +82,12 @@ class Faults(unittest.TestCase):
         self.ring.wait_for_node('left_ankle', lambda n: n.state == 'down', 'not to be heard')
         self.assertEqual(sorted(self.list().ids), sorted([killed.id, frozen.id]))
         self.assertIn('is frozen', self.inject(fault='hang left_ankle').message)
+        os.kill(self.ring.node('left_knee').pid, signal.SIGSTOP)   # by nobody that the ring knows
+        wait_for(lambda: not self.list().success, 'it to stand still')
+        listed = self.list()
+        self.assertIn('the faults at left_knee are not known: node left_knee is frozen', listed.message)
+        self.assertEqual(sorted(listed.ids), sorted([killed.id, frozen.id]))
+        self.begin('thaw left_knee')
         self.assertTrue(self.clear(id=killed.id).success)
         self.begin('thaw left_ankle')
         self.assertEqual(self.list().ids, [])

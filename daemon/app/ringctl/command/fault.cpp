@@ -132,16 +132,18 @@ int begin(const Context& context, const fault::Word& word, const FaultOptions& o
 int list(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
   tell_unreadable(ring_directory(ring.ring()));
-  const auto faults = LiveFaults(ring.ring(), nodes_by_id(ring)).list();
+  const live::FaultList list = LiveFaults(ring.ring(), nodes_by_id(ring)).list();
   json all = json::array();
-  for (const live::LiveFault& fault : faults) all.push_back(to_json(fault));
+  for (const live::LiveFault& fault : list.faults) all.push_back(to_json(fault));
   if (options.json)
-    std::cout << json{{"ring", ring.ring()}, {"faults", all}}.dump(2) << '\n';
-  else if (faults.empty())
+    std::cout << json{{"ring", ring.ring()}, {"faults", all}, {"unknown", list.unknown}}.dump(2) << '\n';
+  else if (!list.faults.empty())
+    std::cout << fault_table(list.faults);
+  else if (list.unknown.empty())
     std::cout << "ring " << ring.ring() << " has no faults on purpose\n";
-  else
-    std::cout << fault_table(faults);
-  return kDone;
+  if (!options.json)
+    for (const std::string& problem : list.unknown) std::cerr << "ringctl: " << problem << '\n';
+  return list.unknown.empty() ? kDone : kNotDone;
 }
 
 int remove(const Context& context, const FaultOptions& options) {
