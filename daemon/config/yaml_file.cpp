@@ -29,6 +29,15 @@ void check(const std::string& text, const std::string& name) {
                       ": what begins here is not part of the YAML document; allowed: one document, which is a map");
 }
 
+/// yaml-cpp's own words do not say what stands there: it looks like blanks.
+bool is_indented_by_a_tab(const std::string& text, const YAML::Mark& mark) {
+  std::istringstream in(text);
+  std::string line;
+  for (int i = 0; i <= mark.line; ++i)
+    if (!std::getline(in, line)) return false;
+  return line.substr(0, line.find_first_not_of(" \t")).find('\t') != std::string::npos;
+}
+
 }  // namespace
 
 YAML::Node parse_yaml(const std::string& text, const std::string& name) {
@@ -36,7 +45,9 @@ YAML::Node parse_yaml(const std::string& text, const std::string& name) {
     check(text, name);
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw ConfigError(place_in(name, error.mark) + ": is not YAML: " + error.msg);
+    const bool tab = is_indented_by_a_tab(text, error.mark);
+    throw ConfigError(place_in(name, error.mark) + ": is not YAML: " + error.msg +
+                      (tab ? "; the line is indented by a tab, allowed: blanks" : ""));
   }
 }
 

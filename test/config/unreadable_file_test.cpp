@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class UnreadableFile : public ::testing::Test {
@@ -64,6 +65,10 @@ TEST(NotYaml, IsRefusedWithItsPlace) {
   EXPECT_THAT(refusal_of("ring: pair\nnodes: [{id: 0\n"),
               AllOf(StartsWith("ring.yaml:3:1: is not YAML: "), HasSubstr("end of map")));
   EXPECT_THAT(refusal_of("ring: pair\n\tnodes: 1\n"), StartsWith("ring.yaml:2:"));
+  for (const char* tab : {"ring: pair\nnodes:\n\t- {id: 0}\n", "ring: pair\nnodes:\n  - id: 0\n  \tname: a\n",
+                          "ring: pair\nlimits:\n\tclients: 3\n"})
+    EXPECT_THAT(refusal_of(tab), HasSubstr("; the line is indented by a tab, allowed: blanks")) << tab;
+  EXPECT_THAT(refusal_of("ring: pair\nnodes:\n  - {id: 0\tname: *a}\n"), Not(HasSubstr("tab")));
   EXPECT_THAT(refusal_of("ring: *nobody\n"), AllOf(StartsWith("ring.yaml:1:"), HasSubstr("anchor")));
 }
 
