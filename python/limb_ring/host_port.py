@@ -51,6 +51,12 @@ def _text(name, value):
     return value
 
 
+def _node(value):
+    if isinstance(value, bool) or not isinstance(value, (str, numbers.Integral)):
+        raise TypeError("node: a node's name or id is needed, not %r" % (value,))
+    return str(value)
+
+
 def _id(value):
     return _byte('to', value, 'the id of a node, 0 to 254, or BROADCAST')
 
@@ -81,7 +87,7 @@ class HostPort:
         @param runtime folder in the place of XDG_RUNTIME_DIR
         @param asks_only it asks for something and goes: there is a place for it where `limits.clients` are taken
         @raise HostPortError what went wrong, and what would be right; HostPortTimeout where the daemon is not there"""
-        return cls(_client.Port(_text('ring', ring), str(node), _text('role', role), seconds('timeout', timeout),
+        return cls(_client.Port(_text('ring', ring), _node(node), _text('role', role), seconds('timeout', timeout),
                                 seconds('alive_period', alive_period), restarted_by_owner, results_may_wait, lockstep,
                                 _text('runtime', os.fspath(runtime)), asks_only))
 

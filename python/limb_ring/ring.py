@@ -12,6 +12,7 @@ from .host_port import HostPort, HostPortError, seconds
 from .launcher import Launcher
 
 _TIMES = {'duration', 'after', 'delay', 'jitter', 'every'}   # options of a fault
+_LONGEST = 1e6   # s that the system can wait for a program; which of them may be given is for that to say
 _PREFIX = os.path.abspath(os.path.join(os.path.dirname(__file__), *['..'] * 4))   # PREFIX/lib/python3/dist-packages/limb_ring
 
 
@@ -212,7 +213,8 @@ class Ring:
         _time('timeout', timeout)
         try:
             done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                  stderr=subprocess.PIPE, universal_newlines=True, timeout=timeout, check=False)
+                                  stderr=subprocess.PIPE, universal_newlines=True, check=False,
+                                  timeout=min(timeout, _LONGEST))
         except subprocess.TimeoutExpired:
             raise RingTimeout('ringctl %s: no answer within %g s' % (' '.join(command[1:]), timeout)) from None
         if done.returncode != 0:

@@ -126,6 +126,9 @@ def test_every_wait_ends_at_its_deadline(ring):
                      lambda: port.ask({'do': 'status'}, wrong), lambda: HostPort.connect(node=3, timeout=wrong)):
             with pytest.raises(TypeError, match='timeout: a number of seconds is needed, not'):
                 call()
+    for node in (None, 1.5, float('nan'), True, b'node1', ['node1']):
+        with pytest.raises(TypeError, match="node: a node's name or id is needed, not "):
+            HostPort.connect(ring='none', node=node, timeout=0)
     with pytest.raises(TypeError, match='ring: a text is needed, not None'):
         HostPort.connect(ring=None, node=3)
 

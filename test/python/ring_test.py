@@ -239,6 +239,9 @@ def test_a_time_that_is_none_is_refused_with_its_name():
                      lambda: ring.ctl('status', timeout=wrong)):
             with pytest.raises(kind, match='timeout: .* is needed.*, not'):
                 call()
+    for long in 1e308, 2 ** 64:   # for ringctl to judge
+        with pytest.raises(RingError, match='is not a time'):
+            ring.reset('knee', timeout=long)
     for wrong, kind in (float('nan'), ValueError), (-1, ValueError), ([1], TypeError):
         with pytest.raises(kind, match='duration: .* is needed.*, not'):
             ring.fault('hang', 'knee', duration=wrong)
