@@ -7,11 +7,14 @@
 using namespace limb_ring;
 
 int main(int argc, char** argv) try {
+  if (argc != 1 && argc != 3) {
+    std::cerr << "usage: echo_cpu [RING NODE]" << std::endl;
+    return 2;
+  }
   ConnectOptions options;
   options.role = Role::cpu;
   options.alive_period = std::chrono::milliseconds(500);  // a promise: at least so often it calls receive() or send()
-  if (argc > 1) options.ring = argv[1];
-  if (argc > 2) options.node = argv[2];
+  if (argc == 3) options.ring = argv[1], options.node = argv[2];
   HostPort port = HostPort::connect(options);
   std::cout << "CPU of node " << int(port.id()) << " (" << port.name() << ") of ring " << port.ring() << std::endl;
   while (port.connected()) {

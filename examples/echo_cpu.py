@@ -6,7 +6,9 @@ import limb_ring
 
 
 def main():
-    ring, node = sys.argv[1:3] if len(sys.argv) > 2 else ('', '')
+    if len(sys.argv) not in (1, 3):
+        sys.exit('usage: echo_cpu.py [RING NODE]')
+    ring, node = sys.argv[1:] or ('', '')
     with limb_ring.HostPort.connect(ring=ring, node=node, role='cpu', alive_period=0.5) as port:
         print('CPU of node %d (%s) of ring %s' % (port.id, port.name, port.ring), flush=True)
         while port.connected:

@@ -61,11 +61,14 @@ struct Joint {
 };
 
 int main(int argc, char** argv) try {
+  if (argc != 1 && argc != 3) {
+    std::cerr << "usage: joint_cpu [RING NODE]" << std::endl;
+    return 2;
+  }
   ConnectOptions options;
   options.role = Role::cpu;
   options.alive_period = milliseconds(100);
-  if (argc > 1) options.ring = argv[1];
-  if (argc > 2) options.node = argv[2];
+  if (argc == 3) options.ring = argv[1], options.node = argv[2];
   HostPort port = HostPort::connect(options);
   Joint joint;
   for (nanoseconds due = port.now(); port.connected();) {  // the ring's clock: it may be a virtual one

@@ -48,7 +48,9 @@ class Joint:
 
 
 def main():
-    ring, node = sys.argv[1:3] if len(sys.argv) > 2 else ('', '')
+    if len(sys.argv) not in (1, 3):
+        sys.exit('usage: joint_cpu.py [RING NODE]')
+    ring, node = sys.argv[1:] or ('', '')
     joint = Joint()
     with limb_ring.HostPort.connect(ring=ring, node=node, role='cpu', alive_period=0.1) as port:
         due = port.now()   # the ring's clock: it may be a virtual one

@@ -2,10 +2,14 @@
 
 import os
 import signal
+import subprocess
+import sys
 
 import ring_process
 from ring_process import RingTest, is_gone, plain_nodes
 from limb_ring import HostPortError, Packet
+
+EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'examples')
 
 
 def limb_at(node, count=3):
@@ -99,6 +103,15 @@ class Reset(RingTest):
             done = self.ctl(*command)
             self.assertEqual(done.returncode, 1, done.stdout)
             self.assertRegex(done.stderr, 'no CPU')
+
+    def test_an_example_that_is_given_something_else_than_ring_and_node_says_what_it_takes(self):
+        for example in 'echo_cpu', 'joint_cpu':
+            for program in ([ring_process.program(example)], [sys.executable, os.path.join(EXAMPLES, example + '.py')]):
+                for words in (['--help'], [self.ring, '1', 'more']):
+                    done = subprocess.run(program + words, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                          universal_newlines=True, timeout=ring_process.GUARD)
+                    self.assertNotEqual(done.returncode, 0)
+                    self.assertRegex(done.stderr, r'^usage: %s(\.py)? \[RING NODE\]\n$' % example)
 
     def test_attached_cpu_that_nobody_restarts_is_said_so(self):
         nodes = plain_nodes(3)
