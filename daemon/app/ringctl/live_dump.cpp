@@ -3,13 +3,13 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <iostream>
 #include <utility>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/node_name.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "app/ringctl/tell_user.h"
 #include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
@@ -58,7 +58,7 @@ LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, c
       sources_.back().port.observe(order.dump());
     } catch (const HostPortError& error) {
       problem = error.what();
-      std::cerr << "ringctl: node " << label(node) << " is left out: " << problem << std::endl;
+      tell_user("node " + label(node) + " is left out: " + problem);
     }
   }
   if (sources_.empty()) throw HostPortError(problem);
@@ -153,8 +153,7 @@ void LiveDump::on(Source& source, const Observed& seen) {
 
 void LiveDump::on(Source& source, const Disconnected& end) {
   source.gone = true;
-  const std::string who = "node " + label({source.port.id(), source.port.name()});
-  std::cerr << "ringctl: " << who << ": " << end.reason << std::endl;
+  tell_user("node " + label({source.port.id(), source.port.name()}) + ": " + end.reason);
 }
 
 }  // namespace limb_ring::ringctl

@@ -2,10 +2,10 @@
 
 #include <cstring>
 #include <filesystem>
-#include <iostream>
 
 #include "app/common/shell_word.h"
 #include "app/ringctl/names_to_complete.h"
+#include "app/ringctl/tell_user.h"
 #include "process/execute.h"
 #include "process/find_program.h"
 
@@ -42,7 +42,7 @@ int run_there(const Elsewhere& where, const std::vector<std::string>& arguments)
   const int error = process::execute(
       "/bin/sh", {"sh", "-c", with_our_codes(), "sh", "-n", "-o", "BatchMode=yes", "-o",
                   "ConnectTimeout=" + std::to_string(kSecondsToConnect), "--", where.destination, command});
-  std::cerr << "ringctl: /bin/sh: " << std::strerror(error) << '\n';
+  tell_user(std::string("/bin/sh: ") + std::strerror(error));
   return kNoRing;
 }
 

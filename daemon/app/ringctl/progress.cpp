@@ -1,10 +1,10 @@
 #include "app/ringctl/progress.h"
 
 #include <future>
-#include <iostream>
 #include <utility>
 
 #include "app/ringctl/ring_clock.h"
+#include "app/ringctl/tell_user.h"
 #include "limb_ring/host_port.h"
 
 namespace limb_ring::ringctl {
@@ -22,9 +22,9 @@ void Progress::tell(const std::string& what) {
   next_ = now + kEvery;
   const std::string standing = ring_.empty() ? "" : standing_clock(ring_);
   if (!standing.empty())
-    std::cerr << "ringctl: waiting: " << standing << std::endl;
+    tell_user("waiting: " + standing);
   else if (!what.empty())
-    std::cerr << "ringctl: " << what << " ..." << std::endl;
+    tell_user(what + " ...");
 }
 
 void while_telling(const std::string& ring, const std::function<void()>& work) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/ringctl/node_name.h"
+#include "app/ringctl/tell_user.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
 #include "live/not_done.h"
@@ -37,8 +37,6 @@ std::string date_text() {
   const std::string digits = std::to_string(1000 + ms);
   return text + ("_" + digits.substr(1));
 }
-
-void tell_user(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
 
 }  // namespace
 

@@ -1,9 +1,9 @@
 #include "app/ringctl/respawn.h"
 
 #include <algorithm>
-#include <iostream>
 
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/tell_user.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
@@ -18,8 +18,6 @@ constexpr process::BackOff::Limits kPauses{milliseconds(500), milliseconds(10000
 /// Longer than 'ringctl down' may take. If a daemon that is not our child is gone, we cannot tell a crash from 'ringctl
 /// down', so we wait this long for the latter to finish.
 constexpr milliseconds kDownTakes{8000};
-
-void tell(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
 
 std::string label_of(const live::LaunchedDaemon& daemon) {
   return daemon.all ? "the virtual ring" : "node " + label({daemon.id, daemon.name});
@@ -52,7 +50,7 @@ void Respawn::ended(std::size_t index) {
   node.plan = daemon.ended()->clean ? Plan::stays_down : Plan::starts_again;
   node.due = Clock::now() + node.pause.after(ran);
   node.told = false;
-  if (!daemon.ended()->clean) tell(daemon.exit_reason());
+  if (!daemon.ended()->clean) tell_user(daemon.exit_reason());
 }
 
 /// 'ringctl down' removes the lock files in the end; nothing else does.
@@ -70,11 +68,12 @@ void Respawn::consider(std::size_t index) {
   else if (daemon.all || !live::is_killed(folder_, wire::NodeId{name.id}))
     start(index);
   else if (!std::exchange(node.told, true))
-    tell("node " + label(name) + " was killed on purpose; 'ringctl fault start " + name.name + "' starts it again");
+    tell_user("node " + label(name) + " was killed on purpose; 'ringctl fault start " + name.name +
+              "' starts it again");
 }
 
 void Respawn::start(std::size_t index) {
-  tell(label_of(daemons_.all()[index]) + " is started again");
+  tell_user(label_of(daemons_.all()[index]) + " is started again");
   daemons_.start_again(index);
   nodes_[index].plan = Plan::runs;
   nodes_[index].started = Clock::now();

@@ -8,11 +8,11 @@
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
-#include <iostream>
 #include <system_error>
 #include <thread>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/tell_user.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -93,7 +93,7 @@ std::string why_unreadable(const std::string& folder) {
 }
 
 void tell_unreadable(const std::string& folder) {
-  for (const std::string& problem : live::unreadable_files(folder)) std::cerr << "ringctl: " << problem << std::endl;
+  for (const std::string& problem : live::unreadable_files(folder)) tell_user(problem);
 }
 
 }  // namespace limb_ring::ringctl

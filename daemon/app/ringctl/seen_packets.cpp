@@ -1,13 +1,13 @@
 #include "app/ringctl/seen_packets.h"
 
 #include <deque>
-#include <iostream>
 
 #include "app/ringctl/capture_names.h"
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/tell_user.h"
 #include "capture/capture_file.h"
 
 namespace limb_ring::ringctl {
@@ -47,7 +47,7 @@ class Window final : public CaptureSink {
 }  // namespace
 
 void tell_problems(const capture::PcapngReader& reader) {
-  for (const std::string& problem : reader.problems()) std::cerr << "ringctl: " << problem << std::endl;
+  for (const std::string& problem : reader.problems()) tell_user(problem);
 }
 
 SeenPackets packets_of_file(const std::string& path) {

@@ -9,6 +9,7 @@
 #include "app/ringctl/progress.h"
 #include "app/ringctl/respawn.h"
 #include "app/ringctl/ring_folder.h"
+#include "app/ringctl/tell_user.h"
 #include "limb_ring/ring_directory.h"
 #include "process/find_program.h"
 #include "process/service_manager.h"
@@ -45,7 +46,7 @@ namespace {
 
 void tell_ended(live::LaunchedRing& daemons) {
   for (const live::LaunchedDaemon* daemon : daemons.reap())
-    if (!daemon->ended()->clean) std::cerr << "ringctl: " << daemon->exit_reason() << std::endl;
+    if (!daemon->ended()->clean) tell_user(daemon->exit_reason());
 }
 
 /// Ends daemons that were killed on purpose and started again by 'ringctl fault start': they are not our children, but

@@ -1,7 +1,6 @@
 #include "app/ringctl/command/command_line.h"
 
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "app/ringctl/answer_shape.h"
@@ -9,6 +8,7 @@
 #include "app/ringctl/names_to_complete.h"
 #include "app/ringctl/other_host.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/tell_user.h"
 #include "capture/pcapng_reader.h"
 #include "cli/command_line.h"
 #include "config/config_error.h"
@@ -57,7 +57,7 @@ void add_commands(CLI::App& app, Context& context) {
 }
 
 int failed(const std::exception& problem, ExitCode code) {
-  std::cerr << "ringctl: " << problem.what() << '\n';
+  tell_user(problem.what());
   return code;
 }
 

@@ -15,6 +15,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_folder.h"
+#include "app/ringctl/tell_user.h"
 #include "app/ringctl/up_lock.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -95,7 +96,7 @@ void tidy_those_left() {
       remove_what_is_left(ring, folder);
     } catch (const NotDone&) {  // somebody is just starting it
     } catch (const std::runtime_error& problem) {
-      std::cerr << "ringctl: " << problem.what() << std::endl;
+      tell_user(problem.what());
     }
   }
 }

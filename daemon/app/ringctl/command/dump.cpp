@@ -5,7 +5,6 @@
 #include <ctime>
 #include <exception>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 
 #include "app/capture_text/packet_bytes.h"
@@ -20,6 +19,7 @@
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/seen_packets.h"
+#include "app/ringctl/tell_user.h"
 #include "capture/capture_file.h"
 #include "cli/values.h"
 
@@ -67,7 +67,7 @@ int dump_live(const Context& context, const DumpOptions& options) {
   if (options.events || !options.write.empty()) order["kinds"] = {"state", "link", "pin", "cpu"};
   const auto sink = sink_of(options, names);
   const DumpTotals totals = LiveDump(ring, nodes_of(ring, options.nodes), order, *sink).run(options.count);
-  std::cerr << "ringctl: " << summary(totals) << std::endl;
+  tell_user(summary(totals));
   if (!sink->flush()) throw NotDone(sink->problem());
   if (totals.all_gone) throw HostPortError("no daemon is left to look at");
   return kDone;
@@ -98,8 +98,7 @@ void show_records(capture::PcapngReader& reader, const DumpOptions& options, cap
 
 void tell_fifo(const std::string& file) {
   std::error_code unknown;
-  if (std::filesystem::is_fifo(file, unknown))
-    std::cerr << "ringctl: " << file << " is a FIFO: waiting for what somebody writes into it" << std::endl;
+  if (std::filesystem::is_fifo(file, unknown)) tell_user(file + " is a FIFO: waiting for what somebody writes into it");
 }
 
 int dump_file(const DumpOptions& options) {
@@ -121,7 +120,7 @@ int dump_file(const DumpOptions& options) {
   totals.nodes = selection.counts();
   const bool written = sink->flush();
   tell_problems(reader);
-  std::cerr << "ringctl: " << summary(totals) << std::endl;
+  tell_user(summary(totals));
   if (damaged) std::rethrow_exception(damaged);
   if (!written) throw NotDone(sink->problem());
   return kDone;
@@ -139,7 +138,7 @@ std::string named_by_date() {
 
 int run(const Context& context, DumpOptions options) {
   if (options.log && !options.write.empty()) throw UsageError("-l and -w: choose one of them");
-  if (options.log) std::cerr << "ringctl: writing " << (options.write = named_by_date()) << std::endl;
+  if (options.log) tell_user("writing " + (options.write = named_by_date()));
   if (options.json && (options.text.ascii || options.text.decode))
     throw UsageError("--json goes without -a and -d: it has all bytes of a packet, as a program wants them");
   if (options.json && !options.write.empty()) throw UsageError("--json and -w: choose one of them");

@@ -16,6 +16,7 @@
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/ring_folder.h"
 #include "app/ringctl/ring_wait.h"
+#include "app/ringctl/tell_user.h"
 #include "cli/values.h"
 #include "config/names.h"
 #include "fault/parse.h"
@@ -165,7 +166,7 @@ int clear(const Context& context, const FaultOptions& options) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   std::vector<std::string> problems;
   while_telling(ring.ring(), [&] { problems = LiveFaults(ring.ring(), nodes_by_id(ring)).clear(timeout); });
-  for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
+  for (const std::string& problem : problems) tell_user(problem);
   if (!problems.empty()) return kNotDone;
   std::cout << "no faults are left in ring " << ring.ring() << std::endl;
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());

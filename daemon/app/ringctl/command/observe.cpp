@@ -9,6 +9,7 @@
 #include "app/ringctl/connect_node.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/tell_user.h"
 #include "cli/values.h"
 #include "client/event_kinds.h"
 #include "config/names.h"
@@ -24,9 +25,7 @@ struct ObserveOptions {
   std::uint64_t count = 0;
 };
 
-void print_lost(const ObservedLost& lost) {
-  std::cerr << "ringctl: read too slowly, " << lost.count << " left out" << std::endl;
-}
+void print_lost(const ObservedLost& lost) { tell_user("read too slowly, " + std::to_string(lost.count) + " left out"); }
 
 /// Lines until `count` are out (0: without end), Ctrl-C, nobody reads them, or the daemon is gone.
 int print_lines(HostPort& port, std::uint64_t count) {

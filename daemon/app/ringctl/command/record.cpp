@@ -11,6 +11,7 @@
 #include "app/ringctl/recording_keeper.h"
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/saved_lives.h"
+#include "app/ringctl/tell_user.h"
 #include "cli/values.h"
 #include "config/names.h"
 #include "limb_ring/ring_directory.h"
@@ -102,8 +103,7 @@ int keep(const RecordOptions& options, const Context& context) {
   require_writable(folder);
   RecordingKeeper keeper(ring, {{options.when.begin(), options.when.end()}, folder, options.keep});
   keeper.poll();
-  std::cerr << "ringctl: recordings of ring " << ring.ring() << " are saved in " << folder
-            << " when something goes wrong" << std::endl;
+  tell_user("recordings of ring " + ring.ring() + " are saved in " + folder + " when something goes wrong");
   do keeper.poll();
   while (!signals.asked_to_end(RecordingKeeper::kRound) && !keeper.ring_is_gone());
   return kDone;

@@ -11,6 +11,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/tell_user.h"
 #include "app/ringctl/virtual/play_virtual.h"
 #include "cli/output.h"
 #include "cli/values.h"
@@ -172,7 +173,7 @@ void report_so_far(const std::vector<ScenarioRun>& runs, const ScenarioOptions& 
                    const std::vector<Scenario>& scenarios, const std::string& stopped) try {
   report(runs, options, junit, scenarios, stopped);
 } catch (const NotDone& problem) {
-  std::cerr << "ringctl: " << problem.what() << '\n';
+  tell_user(problem.what());
 }
 
 int run(const ScenarioOptions& options) {

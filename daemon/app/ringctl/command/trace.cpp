@@ -10,6 +10,7 @@
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/seen_packets.h"
+#include "app/ringctl/tell_user.h"
 #include "app/ringctl/trace_svg.h"
 #include "app/ringctl/trace_words.h"
 #include "capture/trip_choice.h"
@@ -117,7 +118,7 @@ std::vector<std::size_t> chosen_trips(const capture::TracedRing& ring, const cap
   std::vector<std::size_t> trips = choose_trips(ring, choice);
   if (trips.empty()) throw NotDone("no such packet among " + std::to_string(ring.trips()) + " that were seen");
   if (count == 0 || trips.size() <= count) return trips;
-  std::cerr << "ringctl: " << count << " of " << trips.size() << " that fit; -n shows more" << std::endl;
+  tell_user(std::to_string(count) + " of " + std::to_string(trips.size()) + " that fit; -n shows more");
   trips.resize(count);
   return trips;
 }
@@ -130,8 +131,7 @@ int run(const Context& context, const TraceOptions& options) {
   if (options.live) open_picture(picture, options);
   SeenPackets seen = seen_packets(context, options);
   const capture::TripChoice choice = choice_of(options, seen);
-  if (seen.lost != 0)
-    std::cerr << "ringctl: " << seen.lost << " packets are missing in this capture; paths have gaps" << std::endl;
+  if (seen.lost != 0) tell_user(std::to_string(seen.lost) + " packets are missing in this capture; paths have gaps");
   const bool any = !seen.packets.empty();
   const capture::TracedRing ring(std::move(seen.packets));
   if (any && !ring.outputs_seen())

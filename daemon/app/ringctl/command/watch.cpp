@@ -13,6 +13,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/ring_folder.h"
+#include "app/ringctl/tell_user.h"
 #include "cli/values.h"
 #include "live/promise_watch.h"
 #include "process/signal_wait.h"
@@ -106,7 +107,7 @@ class WatchRun {
           print_breach(ring_, breach, watch_.date(breach.at_ns), options_.json);
         }) {
     if (ring.nodes_here().size() < ring.nodes().size())
-      std::cerr << "ringctl: nodes of other hosts are not watched; what they send or take is not judged" << std::endl;
+      tell_user("nodes of other hosts are not watched; what they send or take is not judged");
   }
 
   int run() {
@@ -115,11 +116,10 @@ class WatchRun {
       watch_.poll();
       tell_lost();
     } while (!is_over() && !signals.asked_to_end(live::PromiseWatch::kRound));
-    if (folder_.is_gone()) std::cerr << "ringctl: ring " << ring_.ring() << " was taken down" << std::endl;
+    if (folder_.is_gone()) tell_user("ring " + ring_.ring() + " was taken down");
     watch_.finish();
     const auto unwatched = watch_.unwatched();
-    for (const auto& node : unwatched)
-      std::cerr << "ringctl: node " << name_in(ring_, node.node) << " was not watched: " << node.why << std::endl;
+    for (const auto& node : unwatched) tell_user("node " + name_in(ring_, node.node) + " was not watched: " + node.why);
     print_end(watch_.counts(), unwatched, seconds(), options_.json);
     return watch_.counts().breaches == 0 && unwatched.empty() ? kDone : kNotDone;
   }
@@ -137,8 +137,7 @@ class WatchRun {
   void tell_lost() {
     const std::uint64_t told = std::exchange(told_lost_, watch_.counts().lost);
     if (told_lost_ == told) return;
-    std::cerr << "ringctl: " << told_lost_ - told << " observations came too fast; what hangs on them is not judged"
-              << std::endl;
+    tell_user(std::to_string(told_lost_ - told) + " observations came too fast; what hangs on them is not judged");
   }
 
   const RingAccess& ring_;
