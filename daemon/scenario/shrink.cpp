@@ -228,6 +228,10 @@ ScenarioSize size_of(const Scenario& scenario) {
   return size;
 }
 
+std::string in_words(const ScenarioSize& size) {
+  return std::to_string(size.faults) + " faults and " + std::to_string(size.sends) + " sends";
+}
+
 bool alike(const Unmet& one, const Unmet& other) {
   return one.expected == other.expected && without_numbers(one.seen) == without_numbers(other.seen);
 }

@@ -27,6 +27,8 @@ struct Shrunk {
 
 /// What the scenario does to a ring, and how often.
 ScenarioSize size_of(const Scenario& scenario);
+/// "3 faults and 40 sends"
+std::string in_words(const ScenarioSize& size);
 /// Both miss the same expectation in the same way. Numbers are ignored: counters and times differ in a smaller ring.
 bool alike(const Unmet& one, const Unmet& other);
 

@@ -59,10 +59,6 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, c
          (options.all_fold_back ? " --redundancy foldback" : "") + (options.wide ? " --world wide" : "") + "\n";
 }
 
-std::string words_of(const scenario::ScenarioSize& size) {
-  return std::to_string(size.faults) + " faults and " + std::to_string(size.sends) + " sends";
-}
-
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
 /// @return false where it is still large
 bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std::string& folder, Progress& progress) {
@@ -79,7 +75,7 @@ bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
   out << shrunk->text;
   if (problem.empty()) problem = cli::finish_writing(out, path);
   if (!problem.empty()) throw UsageError("--shrink: " + problem);
-  std::cerr << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
+  std::cerr << in_words(shrunk->before) << " before, " << in_words(shrunk->after) << " now; " << shrunk->runs
             << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "")
             << "\nthe smallest scenario: ringctl scenario run " << app::shell_word(path) << "\n";
   return study::is_small(shrunk->after);

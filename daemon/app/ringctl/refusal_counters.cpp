@@ -3,6 +3,8 @@
 #include <array>
 #include <set>
 
+#include "app/ringctl/status_rows.h"
+
 namespace limb_ring::ringctl {
 
 namespace {
@@ -15,10 +17,6 @@ constexpr std::array<Counter, 4> kCounters{{{"refused_cpu_absent", Reason::cpu_a
                                             {"refused_no_buffer", Reason::no_buffer},
                                             {"refused_joining", Reason::joining},
                                             {"refused_unwired", Reason::pin_unwired}}};
-
-std::uint64_t count(const nlohmann::json& row, const char* name) {
-  return row.contains("counters") ? row["counters"].value(name, std::uint64_t{0}) : 0;
-}
 
 /// The counter of refusals does not say whether a missing CPU is absent, boots or has failed; the CPU's state does.
 Reason refined(Reason reason, const nlohmann::json& row) {
@@ -40,7 +38,7 @@ void RefusalCounters::explain(std::vector<Result>& results, const std::vector<as
     const auto then = before_.find(id);
     if (then == before_.end()) continue;
     for (const Counter& counter : kCounters) {
-      if (count(row, counter.name) <= count(then->second, counter.name)) continue;
+      if (counter_of(row, counter.name) <= counter_of(then->second, counter.name)) continue;
       if (reasons.insert(refined(counter.reason, row)).second)
         where += (where.empty() ? "" : ", ") + name_of(nodes, id);
     }

@@ -157,11 +157,14 @@ std::string cpu_word(const json& row) {
   return latched(row) ? "latched" : cpu.value("state", "unknown");
 }
 
+std::uint64_t counter_of(const json& row, const std::string& name) {
+  return row.contains("counters") ? row["counters"].value(name, std::uint64_t{0}) : 0;
+}
+
 std::uint64_t errors_of(const json& row) {
-  const json counters = row.value("counters", json::object());
   std::uint64_t all = 0;
   for (const ask::ErrorCounter& counter : ask::error_counters())
-    if (counter.of_packets) all += counters.value(counter.name, std::uint64_t{0});
+    if (counter.of_packets) all += counter_of(row, counter.name);
   return all;
 }
 

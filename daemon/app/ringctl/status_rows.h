@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::j
 /// "running", "stopped", "hung" ...; "latched" if a stop is latched. "hung" comes from the supervisor: the node's own
 /// network controller says no more than "silent", and that only of a CPU that has promised to speak.
 std::string cpu_word(const nlohmann::json& row);
+/// The value of a counter; 0 where the row does not have it.
+std::uint64_t counter_of(const nlohmann::json& row, const std::string& name);
 /// Packets, and datagrams of them, that were damaged, lost or thrown away at this node since its start:
 /// ErrorCounter::of_packets, added up.
 std::uint64_t errors_of(const nlohmann::json& row);

@@ -21,13 +21,9 @@ using nlohmann::json;
 
 namespace {
 
-std::uint64_t counter(const json& row, const char* name) {
-  return row.contains("counters") ? row["counters"].value(name, std::uint64_t{0}) : 0;
-}
-
 std::uint64_t sum(const json& row, std::initializer_list<const char*> names) {
   std::uint64_t all = 0;
-  for (const char* name : names) all += counter(row, name);
+  for (const char* name : names) all += counter_of(row, name);
   return all;
 }
 
@@ -36,7 +32,7 @@ std::uint64_t packets_out(const json& row) {
 }
 
 std::uint64_t bytes_in(const json& row) {
-  return ask::line_bytes_in([&row](const char* name) { return counter(row, name); });
+  return ask::line_bytes_in([&row](const char* name) { return counter_of(row, name); });
 }
 
 /// Both rows are of the same boot, so the counters have not restarted at 0 in between.

@@ -23,10 +23,6 @@ struct ShrinkOptions {
   std::string out;
 };
 
-std::string words_of(const scenario::ScenarioSize& size) {
-  return std::to_string(size.faults) + " faults and " + std::to_string(size.sends) + " sends";
-}
-
 void write(const std::string& text, const std::string& path) {
   if (path.empty()) {
     std::cout << text;
@@ -59,7 +55,7 @@ int run(ShrinkOptions& options) {
     throw NotDone(options.request.path + " is as expected under the virtual clock: there is nothing to find");
   write(shrunk->text, options.out);
   std::cerr << text_of(shrunk->run) << "\n"
-            << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
+            << in_words(shrunk->before) << " before, " << in_words(shrunk->after) << " now; " << shrunk->runs
             << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "") << std::endl;
   return kDone;
 }
