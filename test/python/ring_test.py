@@ -1,6 +1,7 @@
 """Ring and the fixtures of pytest_plugin."""
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import pytest
 import limb_ring
 from limb_ring import Ring, RingError, find_config
 from limb_ring.processes import is_gone
+from limb_ring.ring import programs_folder
 
 pytest_plugins = ['pytester']
 
@@ -226,6 +228,25 @@ def test_a_ring_goes_by_its_name_alone_the_users_own_first(monkeypatch, tmp_path
     assert find_config('leg8') == str(own)
     with Ring('leg8') as ring:
         assert ring.port('body').ring == 'mine'
+
+
+@pytest.mark.parametrize('config, home', [('/of/user', '/home/of/user'), ('relative', '/home/of/user'),
+                                          (None, '/home/of/user'), ('', ''), (None, None)])
+def test_a_name_is_looked_for_where_ringctl_looks_for_it(monkeypatch, tmp_path, config, home):
+    for variable, value in ('XDG_CONFIG_HOME', config), ('HOME', home):
+        if value is None:
+            monkeypatch.delenv(variable, raising=False)
+        else:
+            monkeypatch.setenv(variable, value)
+    monkeypatch.chdir(tmp_path)   # where no file is called leg9
+    ringctl = subprocess.run([os.path.join(programs_folder(), 'ringctl'), 'up', 'leg9'], stderr=subprocess.PIPE,
+                             universal_newlines=True, check=False).stderr
+    its_folders = re.search(r'no ring leg9.yaml in (.*)', ringctl).group(1).split(', ')
+    with pytest.raises(RingError) as error:
+        find_config('leg9')
+    ours = re.search(r'looked for (.*); rings', str(error.value)).group(1).split(', ')
+    by_name = [path for path in ours if path.endswith('/leg9.yaml')]
+    assert [os.path.realpath(path) for path in by_name] == [os.path.realpath(folder + '/leg9.yaml') for folder in its_folders]
 
 
 def test_a_time_that_is_none_is_refused_with_its_name():
