@@ -35,8 +35,10 @@ int main(int argc, char** argv) {
   limb_ring::process::open_standard_descriptors();  // also of the one that starts it again
   limb_ring::process::outlive_file_limit();
   const bool respawn = take_flag(argc, argv, "--respawn");
+  const limb_ring::bridge::KeptText parameters;
   const auto node = [&] {
-    return limb_ring::bridge::run_node(argc, argv, {"ring_bridge", kHelp, limb_ring::bridge::run_bridge});
+    return limb_ring::bridge::run_node(argc, argv,
+                                       {"ring_bridge", kHelp, [&] { limb_ring::bridge::run_bridge(parameters); }});
   };
   return respawn ? limb_ring::bridge::respawned(node) : node();
 }
