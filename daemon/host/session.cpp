@@ -73,7 +73,7 @@ void Session::attach(const ClientInfo& info, TurnKeeper* turns) {
   info_ = info;
   greeting_timer_.cancel();
   if (!info.lockstep) return;
-  turns_ = turns;
+  turn_.emplace(*turns);
   limit_wait(socket_.get(), kPatience);
   watch_.set_events(input_events());
 }
@@ -81,17 +81,16 @@ void Session::attach(const ClientInfo& info, TurnKeeper* turns) {
 // ---- lockstep -----------------------------------------------------------------------------
 
 void Session::begin_turn(std::chrono::nanoseconds now) {
-  has_turn_ = true;
-  has_news_ = false;
+  turn_->begin();
   client::append(out_.to_append(), client::Turn{now});
   if (!flush_under_way_) flush();
 }
 
 void Session::end_turn(std::chrono::nanoseconds until) {
-  has_turn_ = false;
-  if (!std::exchange(waited_for_, true)) watch_.set_events(input_events());
-  // Results that wait go out with the client's next turn, so that comes within kGatherResults.
-  waits_until_ = !out_.empty() ? std::min(until, turns_->now() + kGatherResults) : until;
+  const bool was_awaited = turn_->is_awaited();
+  turn_->end(until);
+  if (!was_awaited) watch_.set_events(input_events());
+  if (!out_.empty()) turn_->comes_within(kGatherResults);  // results that wait go out with it
 }
 
 bool Session::await_message() {
@@ -103,12 +102,12 @@ bool Session::await_message() {
 }
 
 void Session::wait_no_more() {
-  waited_for_ = false;
+  turn_->await_no_more();
   watch_.set_events(input_events());
 }
 
 std::uint32_t Session::input_events() const {
-  const bool by_await = turns_ != nullptr && waited_for_;
+  const bool by_await = turn_ && turn_->is_awaited();
   return by_await ? EPOLLRDHUP : EPOLLIN | EPOLLRDHUP;
 }
 
@@ -117,7 +116,8 @@ void Session::on_ready(std::uint32_t events) {
   if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) ending_ = true;
   if (frozen_) return;
   if ((events & EPOLLOUT) != 0) flush();
-  if (open() && !(has_turn_ && waited_for_) && !has_said_enough()) read();
+  const bool is_awaited = turn_ && turn_->is_on() && turn_->is_awaited();
+  if (open() && !is_awaited && !has_said_enough()) read();
 }
 
 bool Session::has_said_enough() const { return greeted_ && !attached_ && in_.view().size >= client::kMaxSizeToDaemon; }
@@ -148,7 +148,7 @@ void Session::take_frames() {
     const auto message = frame ? client::decode_to_daemon(parse.frame) : std::nullopt;
     if (!message) return fail(SessionOwner::End::garbage);
     const bool greeting = std::holds_alternative<client::Greeting>(*message);
-    const bool ends_no_turn = std::holds_alternative<client::Waiting>(*message) && !has_turn_;
+    const bool ends_no_turn = std::holds_alternative<client::Waiting>(*message) && !(turn_ && turn_->is_on());
     if (greeting == attached_ || ends_no_turn) return fail(SessionOwner::End::garbage);
     owner_->on_message(*this, *message);
     in_.used(parse.consumed);
@@ -164,8 +164,8 @@ bool Session::keeps_limit() {
 void Session::put_result(const Result& result) {
   if (!info_.results_may_wait) return put(result);
   if (!append(result)) return;
-  if (turns_ == nullptr) return flush_within(kGatherResults);
-  waits_until_ = std::min(waits_until_, turns_->now() + kGatherResults);
+  if (!turn_) return flush_within(kGatherResults);
+  turn_->comes_within(kGatherResults);
 }
 
 bool Session::put_observed(const Observed& observed) {
@@ -183,7 +183,7 @@ bool Session::put_captured(const client::CapturedView& packet) {
   if (!open()) return true;
   if (out_.size() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
   client::append(out_.to_append(), packet);
-  if (turns_ == nullptr && out_.size() < kCapturedLot) {
+  if (!turn_ && out_.size() < kCapturedLot) {
     flush_within(kGatherCaptured);
   } else {
     flush_soon();
@@ -196,12 +196,8 @@ void Session::tell_observed_lost() {
   if (lost > 0) put(ObservedLost{lost});
 }
 
-// A client in lockstep gets its messages when its turn begins, not now.
 void Session::flush_soon() {
-  if (turns_ != nullptr) {
-    has_news_ = true;
-    return turns_->has_news();
-  }
+  if (turn_) return turn_->tell_news();
   if (std::exchange(flush_under_way_, true)) return;
   loop_.at_turn_end([self = shared_from_this()] { self->flush(); });
 }

@@ -3,12 +3,14 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "client/host_message.h"
 #include "client/stream_buffer.h"
 #include "event_loop/backlog.h"
 #include "event_loop/packet_loop.h"
+#include "host/client_turn.h"
 #include "host/host_handler.h"
 #include "host/turn_keeper.h"
 #include "process/unique_fd.h"
@@ -58,7 +60,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// It has greeted in time; what it says next waits until it is attached.
   void greeted();
   /// The greeting was accepted: the client is what `info` says.
-  /// @param turns of a client in lockstep
+  /// @param turns not null where info.lockstep is set
   void attach(const ClientInfo& info, TurnKeeper* turns);
   /// Writes what can be written at once, `reason` last, and closes. The owner is not told.
   void end(const std::string& reason);
@@ -78,10 +80,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// In nanoseconds of the ring's clock.
   void begin_turn(std::chrono::nanoseconds now);
   void end_turn(std::chrono::nanoseconds until);
-  bool has_turn() const { return has_turn_; }
-  /// A message is waiting that the client should get at once.
-  bool has_news() const { return has_news_; }
-  std::chrono::nanoseconds waits_until() const { return waits_until_; }
+  const ClientTurn& turn() const { return *turn_; }
   /// Waits, in real time, for a message of the client and handles it. @return false if none came within kPatience
   bool await_message();
   /// The client has taken too long. From now on its messages are read whenever they come, not only by await_message().
@@ -139,13 +138,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool flush_under_way_ = false;
   std::chrono::milliseconds gathering_for_{0};  ///< the shortest time that gather_timer_ was set for; 0: it is not set
   std::uint64_t observed_lost_ = 0;
-  TurnKeeper* turns_ = nullptr;  ///< of a client in lockstep
-  bool greeted_ = false;         ///< and is not attached yet
-  bool has_turn_ = false;
-  /// In lockstep: only await_message() reads it, so that clients acting in the same instant are heard in their order.
-  bool waited_for_ = true;
-  bool has_news_ = false;
-  std::chrono::nanoseconds waits_until_ = std::chrono::nanoseconds::max();
+  std::optional<ClientTurn> turn_;  ///< of a client in lockstep
+  bool greeted_ = false;            ///< and is not attached yet
   bool frozen_ = false;
   bool ended_by_client_ = false;
   bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read

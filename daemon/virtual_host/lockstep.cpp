@@ -100,7 +100,7 @@ void Lockstep::goes_on(std::uint8_t node) {
 void Lockstep::forget_gone() {
   for (auto it = programs_.begin(); it != programs_.end();) {
     const host::Session& session = *it->second.session;
-    if (session.ended_by_client() && !session.has_turn() && !it->second.dies) left_ = true;
+    if (session.ended_by_client() && !session.turn().is_on() && !it->second.dies) left_ = true;
     it = session.open() ? std::next(it) : programs_.erase(it);
   }
 }
@@ -118,8 +118,8 @@ Lockstep::Entry* Lockstep::acting() {
   for (Entry& entry : programs_) {
     auto& [key, program] = entry;
     if (is_away(entry)) continue;
-    if (program.session->has_turn() && !program.stuck) return &entry;
-    if (!program.session->has_turn() && std::exchange(program.stuck, false))
+    if (program.session->turn().is_on() && !program.stuck) return &entry;
+    if (!program.session->turn().is_on() && std::exchange(program.stuck, false))
       spdlog::info("{}: its CPU goes on, at {:.9f} s", config_.find(key.first)->name, seconds(ring_.now()));
   }
   return nullptr;
@@ -135,7 +135,7 @@ void Lockstep::await_messages() {
 bool Lockstep::await_message_of(Entry& entry) {
   auto& [key, program] = entry;
   const bool heard = program.session->await_message();
-  if (!program.session->open() || !program.session->has_turn()) return true;
+  if (!program.session->open() || !program.session->turn().is_on()) return true;
   const bool stopped = !heard && process::is_stopped(program.session->info().pid);
   if (stopped || steady_clock::now() - program.turn_since >= patience_with(key.first)) gets_stuck(key.first, program);
   return heard;
@@ -169,7 +169,7 @@ void Lockstep::gets_stuck(std::uint8_t node, Program& program) {
 }
 
 nanoseconds Lockstep::next_turn(const Program& program) const {
-  const nanoseconds wanted = program.session->has_news() ? now() : program.session->waits_until();
+  const nanoseconds wanted = program.session->turn().has_news() ? now() : program.session->turn().next();
   return program.restless ? std::max(wanted, program.turn_at + kRest) : wanted;
 }
 
@@ -197,7 +197,7 @@ bool Lockstep::give_turns() {
   for (Entry& entry : programs_) {
     auto& [key, program] = entry;
     const host::Session& session = *program.session;
-    if (given == key.first || is_away(entry) || !session.open() || session.has_turn()) continue;
+    if (given == key.first || is_away(entry) || !session.open() || session.turn().is_on()) continue;
     if (next_turn(program) > now()) continue;
     begin_turn(key.first, program);
     given = key.first;
@@ -209,7 +209,7 @@ core::Time Lockstep::next_wake() const {
   nanoseconds earliest = nanoseconds::max();
   for (const Entry& entry : programs_) {
     const Program& program = entry.second;
-    if (!program.session->has_turn() && !is_away(entry)) earliest = std::min(earliest, next_turn(program));
+    if (!program.session->turn().is_on() && !is_away(entry)) earliest = std::min(earliest, next_turn(program));
   }
   return earliest == nanoseconds::max() ? core::kNever : core::Time{} + earliest;
 }
