@@ -3,6 +3,7 @@
 #include <std_msgs/Bool.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace limb_ring::bridge {
 namespace {
@@ -64,21 +65,14 @@ std::string StatusOut::problem() {
 }
 
 bool StatusOut::is_due() {
-  auto digest = watch_.digest();
-  auto silent = joints_.silent_joints();
-  auto now_wrong = problem();
-  auto stops_now = stops();
-  const bool changed =
-      digest != last_digest_ || silent != last_silent_ || now_wrong != last_problem_ || stops_now != last_stops_;
-  last_digest_ = std::move(digest);
-  last_silent_ = std::move(silent);
-  last_problem_ = std::move(now_wrong);
-  last_stops_ = std::move(stops_now);
-  return changed || Clock::now() - last_time_ >= kPeriod;
+  Noticed now{watch_.digest(), joints_.silent_joints(), problem(), stopped_nodes()};
+  const bool changed = now != noticed_;
+  noticed_ = std::move(now);
+  return changed || Clock::now() - published_ >= kPeriod;
 }
 
 void StatusOut::publish() {
-  last_time_ = Clock::now();
+  published_ = Clock::now();
   RingStatus status;
   fill_header(status);
   status.nodes = watch_.poll();
@@ -100,9 +94,9 @@ void StatusOut::fill_header(RingStatus& status) {
   status.header.stamp = clock_.now();
   status.ring = ring_.ring;
   status.node = own_node_;
-  status.message = last_problem_;
-  status.connected = last_problem_.empty();
-  status.silent_joints = last_silent_;
+  status.message = noticed_.problem;
+  status.connected = noticed_.problem.empty();
+  status.silent_joints = noticed_.silent;
   for (const auto& [name, value] : counters_.all()) {
     status.counter_names.push_back(name);
     status.counter_values.push_back(value);
@@ -117,16 +111,16 @@ void StatusOut::fill_joints(NodeStatus& node) const {
   node.stopped |= received.stopped;  // they come sooner than what is asked for
 }
 
-std::string StatusOut::stops() const {
-  std::string stops;
+std::vector<std::string> StatusOut::stopped_nodes() const {
+  std::vector<std::string> names;
   for (const auto& node : ring_.nodes)
-    if (joints_.received(node.id).stopped) stops += node.name + ' ';
-  return stops;
+    if (joints_.received(node.id).stopped) names.push_back(node.name);
+  return names;
 }
 
 void StatusOut::tell_stopped(const RingStatus& status) {
-  if (last_stopped_ == bool(status.stopped)) return;
-  last_stopped_ = status.stopped;
+  if (told_stopped_ == bool(status.stopped)) return;
+  told_stopped_ = status.stopped;
   std_msgs::Bool message;
   message.data = status.stopped;
   stopped_.publish(message);

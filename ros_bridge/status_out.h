@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <tuple>
+#include <vector>
 
 #include "ros_bridge/counters.h"
 #include "ros_bridge/events_out.h"
@@ -35,15 +37,26 @@ class StatusOut {
   void start();
 
  private:
+  /// What is told at once where it changes.
+  struct Noticed {
+    std::string digest;                ///< of the daemons' states
+    std::vector<std::string> silent;   ///< joints
+    std::string problem;               ///< of the bridge's own connection
+    std::vector<std::string> stopped;  ///< nodes whose joint states say that a stop is latched
+
+    bool operator!=(const Noticed& other) const {
+      return std::tie(digest, silent, problem, stopped) !=
+             std::tie(other.digest, other.silent, other.problem, other.stopped);
+    }
+  };
+
   void run();
   bool is_due();
   void publish();
   void fill_header(RingStatus& status);
   void fill_joints(NodeStatus& node) const;
   std::string problem();
-
-  /// The nodes whose joint states say that a stop is latched.
-  std::string stops() const;
+  std::vector<std::string> stopped_nodes() const;
   void tell_stopped(const RingStatus& status);
 
   const config::RingConfig& ring_;
@@ -57,10 +70,9 @@ class StatusOut {
   std::vector<OnStatus> on_status_;
   ros::Publisher publisher_, stopped_;
 
-  std::string last_digest_, last_problem_, last_stops_;
-  std::optional<bool> last_stopped_;
-  std::vector<std::string> last_silent_;
-  std::chrono::steady_clock::time_point last_time_{};
+  Noticed noticed_;  ///< last
+  std::chrono::steady_clock::time_point published_{};
+  std::optional<bool> told_stopped_;
 
   std::mutex mutex_;
   std::condition_variable wake_;
