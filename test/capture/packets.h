@@ -4,12 +4,11 @@
 
 #include "capture/packet_view.h"
 #include "support/packets.h"
+#include "support/view.h"
 
 namespace limb_ring::test {
 
 using Bytes = std::vector<std::uint8_t>;
-
-inline wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
 
 /// A DATP with a good CRC; its payload counts up from 0.
 inline Bytes data_packet(std::uint8_t source, std::uint8_t destination, std::size_t size = 8, std::uint8_t pri = 2,

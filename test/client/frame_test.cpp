@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "client/stream_buffer.h"
+#include "support/view.h"
 
 namespace limb_ring::client {
 namespace {
 
-wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
+using test::view;
 
 TEST(Frame, HasItsSizeItsTypeAndItsBody) {
   Bytes out;

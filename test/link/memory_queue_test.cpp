@@ -10,8 +10,12 @@
 #include <thread>
 #include <vector>
 
+#include "support/view.h"
+
 namespace limb_ring::link {
 namespace {
+
+using test::view;
 
 struct Queue : testing::Test {
   std::optional<QueueMemory> memory = QueueMemory::make(QueueMemory::kSmallest);
@@ -32,8 +36,6 @@ std::vector<std::uint8_t> numbered(std::size_t size, std::uint8_t first) {
   std::iota(bytes.begin(), bytes.end(), first);
   return bytes;
 }
-
-wire::ByteView view(const std::vector<std::uint8_t>& bytes) { return {bytes.data(), bytes.size()}; }
 
 TEST_F(Queue, GivesBackWhatWasPutInOrderAlsoAroundItsEnd) {
   for (std::size_t round = 0; round < 100; ++round) {

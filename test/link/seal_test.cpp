@@ -6,19 +6,20 @@
 #include <algorithm>
 #include <vector>
 
+#include "support/view.h"
+
 namespace limb_ring::link {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 using Verdict = Opener::Verdict;
+using test::view;
 
 Key key_of(std::uint8_t value) {
   Key key;
   key.fill(value);
   return key;
 }
-
-wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
 
 struct Session : testing::Test {
   Sealer sealer{key_of(1)};

@@ -8,6 +8,7 @@
 #include "recorder/record_reader.h"
 #include "recorder/record_writer.h"
 #include "support/packets.h"
+#include "support/view.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -15,13 +16,12 @@ namespace {
 using core::Line;
 using wire::SliceKind;
 namespace input = core::input;
+using test::view;
 
 constexpr core::Time kThen{std::chrono::seconds(1)};
 constexpr std::size_t kData = 400;
 
 using Bytes = std::vector<std::uint8_t>;
-wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
-
 Bytes from_0_to_2(std::size_t size = kData) {
   const Bytes data(size, 0x5A);
   test::DataPacket fields;

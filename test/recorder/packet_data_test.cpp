@@ -7,11 +7,13 @@
 
 #include "recorder/abridged.h"
 #include "support/packets.h"
+#include "support/view.h"
 
 namespace limb_ring::recorder {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
+using test::view;
 
 Bytes packet(std::uint8_t value, std::size_t size = 100) {
   const Bytes data(size, value);
@@ -33,18 +35,16 @@ Bytes without_data(Bytes packet) {
   return packet;
 }
 
-wire::ByteView all_of(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
-
 TEST(PacketData, isFilledInWhereverThePacketIs) {
   PacketData data;
-  data.keep(all_of(packet(1)));
-  data.keep(all_of(packet(2)));
+  data.keep(view(packet(1)));
+  data.keep(view(packet(2)));
   Bytes found = without_data(further_on(packet(1)));
   EXPECT_TRUE(data.fill_in(found.data(), found.size()));
   EXPECT_EQ(found, further_on(packet(1)));
-  EXPECT_FALSE(data.is_made_up(all_of(found)));
-  EXPECT_TRUE(data.knows(all_of(found)));
-  EXPECT_FALSE(data.knows(all_of(packet(3))));
+  EXPECT_FALSE(data.is_made_up(view(found)));
+  EXPECT_TRUE(data.knows(view(found)));
+  EXPECT_FALSE(data.knows(view(packet(3))));
 }
 
 TEST(PacketData, isMadeUpWhereNobodyKnowsIt) {
@@ -52,9 +52,9 @@ TEST(PacketData, isMadeUpWhereNobodyKnowsIt) {
     PacketData data;
     Bytes made_up = without_data(packet(9, size));
     EXPECT_FALSE(data.fill_in(made_up.data(), made_up.size()));
-    EXPECT_TRUE(wire::PacketFields{all_of(made_up)}.crc_good());
+    EXPECT_TRUE(wire::PacketFields{view(made_up)}.crc_good());
     EXPECT_EQ(without_data(made_up), without_data(packet(9, size))) << "all else is as it was";
-    EXPECT_TRUE(data.is_made_up(all_of(further_on(made_up))));
+    EXPECT_TRUE(data.is_made_up(view(further_on(made_up))));
   }
 }
 
@@ -62,7 +62,7 @@ TEST(PacketData, isNoLongerMadeUpOnceItIsKnown) {
   PacketData data;
   Bytes again = without_data(packet(9));
   data.fill_in(again.data(), again.size());
-  data.keep(all_of(packet(9)));
+  data.keep(view(packet(9)));
   again = without_data(packet(9));
   EXPECT_TRUE(data.fill_in(again.data(), again.size()));
   EXPECT_EQ(again, packet(9));
@@ -70,16 +70,16 @@ TEST(PacketData, isNoLongerMadeUpOnceItIsKnown) {
 
 TEST(PacketData, isNotThatOfAPacketOfAnotherSize) {
   PacketData data;
-  data.keep(all_of(packet(1, 100)));
+  data.keep(view(packet(1, 100)));
   Bytes other = without_data(packet(1, 104));
   EXPECT_FALSE(data.fill_in(other.data(), other.size()));
 }
 
 TEST(PacketData, isKeptOfTheNewestAlone) {
   PacketData data;
-  data.keep(all_of(packet(1)));
+  data.keep(view(packet(1)));
   for (std::size_t size = 0; size < PacketData::kMost; ++size)
-    data.keep(all_of(packet(static_cast<std::uint8_t>(2 + size % 250), 20 + size / 250)));
+    data.keep(view(packet(static_cast<std::uint8_t>(2 + size % 250), 20 + size / 250)));
   Bytes old = without_data(packet(1));
   EXPECT_FALSE(data.fill_in(old.data(), old.size()));
 }

@@ -12,6 +12,7 @@
 #include "link/endpoint.h"
 #include "link/link_header.h"
 #include "support/node_literal.h"
+#include "support/view.h"
 #include "wire/control_message.h"
 #include "wire/fold_word.h"
 #include "wire/interrupt_packet.h"
@@ -22,6 +23,7 @@ namespace {
 
 using testing::ElementsAreArray;
 using Bytes = std::vector<std::uint8_t>;
+using test::view;
 
 constexpr wire::NodeId kSource{3};
 constexpr wire::NodeId kDestination{7};
@@ -46,7 +48,6 @@ Bytes example(const std::string& section) {
   return bytes;
 }
 
-wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
 template <class Array>
 Bytes bytes_of(const Array& array) {
   return {array.begin(), array.end()};

@@ -4,13 +4,14 @@
 
 #include <vector>
 
+#include "support/view.h"
+
 namespace limb_ring::wire {
 namespace {
 
 using Status = SliceParse::Status;
 using Bytes = std::vector<std::uint8_t>;
-
-ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
+using test::view;
 
 TEST(Slice, ComesBackAsItWasPut) {
   SliceWriter writer;
