@@ -169,12 +169,12 @@ TEST_F(KilledNode, IsNoneAnyMoreAsSoonAsAnotherDaemonHasBegun) {
 
 TEST_F(KilledNode, IsListedUntilAnotherDaemonHasBegunAndLookingChangesNothing) {
   const LiveFaults faults("legs", {fault::NamedNode{"left_knee", "3", 3_id}});
-  EXPECT_THAT(faults.list(), SizeIs(1));
+  EXPECT_THAT(faults.list().faults, SizeIs(1));
   {
     const auto held = lock_of(3);
-    EXPECT_THAT(faults.list(), IsEmpty());
+    EXPECT_THAT(faults.list().faults, IsEmpty());
   }
-  EXPECT_THAT(faults.list(), IsEmpty());
+  EXPECT_THAT(faults.list().faults, IsEmpty());
   EXPECT_TRUE(note_of(ring, 3_id));
 }
 
