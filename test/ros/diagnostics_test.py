@@ -11,16 +11,11 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from limb_ring.srv import ClearFaults, InjectFault
 from sensor_msgs.msg import JointState
 
-from ring_testing import Ring, kill_process, wait_for
+from ring_testing import Ring, kill_process, service, wait_for
 
 OK, WARN, ERROR, STALE = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
 PREFIX = 'limb_ring: '
 ANALYZERS = os.path.join(rospkg.RosPack().get_path('limb_ring'), 'config', 'analyzers.yaml')
-
-
-def service(name, kind):
-    rospy.wait_for_service(name, 30)
-    return rospy.ServiceProxy(name, kind)
 
 
 def matches(analyzer, name):

@@ -9,12 +9,7 @@ import rostest
 from limb_ring.msg import RingEvent
 from limb_ring.srv import ClearFaults, InjectFault, ResetNode, SendInterrupt
 
-from ring_testing import Ring, kill_process, wait_for
-
-
-def service(name, kind):
-    rospy.wait_for_service(name, 30)
-    return rospy.ServiceProxy(name, kind)
+from ring_testing import Ring, kill_process, service, wait_for
 
 
 class Events(unittest.TestCase):

@@ -12,12 +12,7 @@ import rostest
 from limb_ring.processes import parent_of
 from limb_ring.srv import ClearFaults, InjectFault, ListFaults, ResetNode, Resume, SendInterrupt, Stop
 
-from ring_testing import Ring, is_alive, process_state, wait_for
-
-
-def service(name, kind):
-    rospy.wait_for_service(name, 30)
-    return rospy.ServiceProxy(name, kind)
+from ring_testing import Ring, is_alive, process_state, service, wait_for
 
 
 def pids():

@@ -8,17 +8,12 @@ from limb_ring.srv import ResetNode, Resume, SendInterrupt, Stop
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
-from ring_testing import Newest, Ring, is_alive, kill_process, stop_process, wait_for
+from ring_testing import Newest, Ring, is_alive, kill_process, service, stop_process, wait_for
 
 
 def lost(node):
     """Sends of that node that ended lost. Samples that its CPU left out, as it does on a slow machine, are none."""
     return dict(zip(node.counter_names, node.counter_values))['ended_lost']
-
-
-def service(name, kind):
-    rospy.wait_for_service(name, 30)
-    return rospy.ServiceProxy(name, kind)
 
 
 class Recovery(unittest.TestCase):

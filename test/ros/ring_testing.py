@@ -25,6 +25,12 @@ def wait_for(condition, what, guard=GUARD):
         time.sleep(0.02)
 
 
+def service(name, kind):
+    """A proxy of the service, once somebody offers it."""
+    rospy.wait_for_service(name, GUARD)
+    return rospy.ServiceProxy(name, kind)
+
+
 class Newest:
     """The newest message of a topic, and how many have come."""
 

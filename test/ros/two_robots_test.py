@@ -12,14 +12,9 @@ from limb_ring.srv import Resume, Stop
 from sensor_msgs.msg import Imu
 from visualization_msgs.msg import MarkerArray
 
-from ring_testing import GUARD, Newest, Ring, wait_for
+from ring_testing import GUARD, Newest, Ring, service, wait_for
 
 SERVICES = ['reset_node', 'send_interrupt', 'stop', 'resume', 'inject_fault', 'clear_faults', 'list_faults']
-
-
-def service(name, kind):
-    rospy.wait_for_service(name, GUARD)
-    return rospy.ServiceProxy(name, kind)
 
 
 def provider(name):

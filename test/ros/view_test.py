@@ -9,12 +9,7 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from ring_testing import Newest, Ring, wait_for
-
-
-def service(name, kind):
-    rospy.wait_for_service(name, 30)
-    return rospy.ServiceProxy(name, kind)
+from ring_testing import Newest, Ring, service, wait_for
 
 
 class View(unittest.TestCase):
