@@ -1,5 +1,6 @@
 """Faults whose times are not measured: they damage, delay or restart, and the promises must hold."""
 from live_ring.faults import Fault
+from live_ring.ring import line_of, name_of
 
 # Faults of a line, with their parameters; a seed is added to those that choose at random.
 OF_LINES = {
@@ -18,18 +19,18 @@ class Disturbance(Fault):
 
 class LineDisturbance(Disturbance):
     def begin(self):
-        self.order('%s %s %s' % (self.kind, self.live.ring.line(self.node), self.parameters))
+        self.order('%s %s %s' % (self.kind, line_of(self.node), self.parameters))
 
     def mend(self):
-        self.order('heal ' + self.live.ring.line(self.node))
+        self.order('heal ' + line_of(self.node))
 
 
 class CpuDisturbance(Disturbance):
     def begin(self):
-        self.order('%s %s %s' % (self.kind, self.live.ring.name_of(self.node), self.parameters))
+        self.order('%s %s %s' % (self.kind, name_of(self.node), self.parameters))
 
     def mend(self):
-        self.order('resume ' + self.live.ring.name_of(self.node))
+        self.order('resume ' + name_of(self.node))
 
 
 class PowerCycle(Fault):
@@ -37,7 +38,7 @@ class PowerCycle(Fault):
 
     def begin(self):
         self.live.ring.starts[self.node] += 1
-        self.live.watch.ask(self.node, {'do': 'fault', 'fault': 'power_cycle ' + self.live.ring.name_of(self.node)})
+        self.live.watch.ask(self.node, {'do': 'fault', 'fault': 'power_cycle ' + name_of(self.node)})
 
     def mend(self):
         """The ring is whole when its connections have ended and come back."""

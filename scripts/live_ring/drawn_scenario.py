@@ -3,7 +3,7 @@ import json
 import random
 
 from live_ring import disturbances, rounds
-from live_ring.ring import NODES, NOTIFY, SUPERVISION
+from live_ring.ring import NODES, NOTIFY, SUPERVISION, line_of, name_of
 from limb_ring.launcher import plain_nodes
 
 FIRMWARE = (3, 7, 11, 15)     # have limb_firmware; the others a CPU that takes packets
@@ -27,10 +27,6 @@ def ring(redundancy):
             node['joints'] = [{'name': 'joint%d' % node['id']}]
     return json.dumps({'ring': 'chaos', 'redundancy': redundancy, 'nodes': nodes,
                        'supervisor': SUPERVISION})
-
-
-def name(node):
-    return 'node%d' % (node % NODES)
 
 
 class DrawnScenario:
@@ -66,8 +62,8 @@ class DrawnScenario:
 
     def send(self, what, node, **more):
         to = self.chance.choice([other for other in range(NODES) if other != node])
-        send = dict({'name': '%s_%d' % (what, node), 'from': name(node), 'to': name(to), 'priority': self.chance.randrange(4),
-                     'every': '%dms' % self.chance.randrange(50, 150)}, **more)
+        send = dict({'name': '%s_%d' % (what, node), 'from': name_of(node), 'to': name_of(to),
+                     'priority': self.chance.randrange(4), 'every': '%dms' % self.chance.randrange(50, 150)}, **more)
         if 'interrupt' in send:
             del send['priority']
         self.steps.append({'do': {'send': send}})
@@ -81,31 +77,31 @@ class DrawnScenario:
             self.do(action, parameters)
         self.steps.append({'when': self.whole(), 'within': GUARD})
         # Only now: behind a broken line the supervisor cannot reach a CPU.
-        self.steps += [{'when': {'cpu': name(node), 'is': 'running', 'boots': self.boots[node]}, 'within': GUARD}
+        self.steps += [{'when': {'cpu': name_of(node), 'is': 'running', 'boots': self.boots[node]}, 'within': GUARD}
                        for node in cpus]
 
     def line(self, node, _):
         kind = self.begin(sorted(OF_LINES))
-        line = '%s -> %s' % (name(node), name(node + 1))
+        line = line_of(node)
         self.do(kind, ('%s %s' % (line, OF_LINES[kind])).strip())
         return [('heal', line)]
 
     def cpu(self, node, cpus):
         kind = self.begin(sorted(OF_CPUS) + sorted(CURED))
-        self.do(kind, ('%s %s' % (name(node), OF_CPUS.get(kind, ''))).strip())
+        self.do(kind, ('%s %s' % (name_of(node), OF_CPUS.get(kind, ''))).strip())
         cpus.append(node)
         self.boots[node] += kind in CURED
         if kind == 'crash':
-            self.crashed.add(name(node))
-        return [('resume', name(node))] if kind in OF_CPUS else []
+            self.crashed.add(name_of(node))
+        return [('resume', name_of(node))] if kind in OF_CPUS else []
 
     def node(self, node, cpus):
         kind = self.begin(sorted(OF_NODES) + ['power_cycle'])
-        self.do(kind, name(node))
+        self.do(kind, name_of(node))
         cpus.append(node)
         if kind != 'freeze':
             self.boots[node] = 1
-        return [(OF_NODES[kind], name(node))] if kind in OF_NODES else []
+        return [(OF_NODES[kind], name_of(node))] if kind in OF_NODES else []
 
     def begin(self, kinds):
         self.kinds.append(self.chance.choice(kinds))

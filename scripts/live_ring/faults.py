@@ -1,7 +1,7 @@
 """Faults on purpose, each with timestamps of what the ring does about it (ns of CLOCK_REALTIME; None: not yet)."""
 import time
 
-from live_ring.ring import NODES, SILENCE_MS, SUPERVISOR
+from live_ring.ring import NODES, SILENCE_MS, SUPERVISOR, line_of, name_of
 
 
 class Fault:
@@ -85,7 +85,7 @@ class Cut(LineFault):
             self.does = 'the node before it turns back, the one behind takes the second line: all confirmed'
 
     def begin(self):
-        self.order('cut ' + self.live.ring.line(self.node))
+        self.order('cut ' + line_of(self.node))
 
     def began(self):
         return self.link('output lost', [self.node])
@@ -103,7 +103,7 @@ class Stall(LineFault):
     does = 'counts as broken after timeouts.silence (%d ms); then as a broken line' % SILENCE_MS
 
     def begin(self):
-        self.order('stall ' + self.live.ring.line(self.node))
+        self.order('stall ' + line_of(self.node))
 
 
 class Mended(LineFault):
@@ -111,7 +111,7 @@ class Mended(LineFault):
     does = 'is connected again; the ring closes'
 
     def begin(self):
-        self.order('heal ' + self.live.ring.line(self.node))
+        self.order('heal ' + line_of(self.node))
 
     def detected(self):
         return self.link('input from', [self.behind()])
@@ -130,7 +130,7 @@ class Noise(LineFault):
     patience = 1.0    # the packet may be a beacon, of whose second try nobody is told
 
     def begin(self):
-        self.order('corrupt %s packets=1 seed=%d' % (self.live.ring.line(self.node), self.node + 1))
+        self.order('corrupt %s packets=1 seed=%d' % (line_of(self.node), self.node + 1))
 
     def began(self):
         return self.noise(self.node)
@@ -168,7 +168,7 @@ class Hang(CpuFault):
     does = 'the supervisor (auto) finds it by the beacons and resets it by INT0; the node relays on'
 
     def begin(self):
-        self.order('hang ' + self.live.ring.name_of(self.node))
+        self.order('hang ' + name_of(self.node))
 
     def detected(self):
         return self.live.watch.first('watchdog', self.requested_ns, lambda event: event['id'] == self.node and
@@ -180,7 +180,7 @@ class Crash(CpuFault):
     does = 'its node relays on and starts it again'
 
     def begin(self):
-        self.order('crash ' + self.live.ring.name_of(self.node))
+        self.order('crash ' + name_of(self.node))
 
     def detected(self):
         return self.cpu(self.requested_ns, lambda event: event['state'] != 'running')

@@ -20,6 +20,15 @@ KEY = 'ring.key'
 MIXED = ('udp', 'shm', 'unix')   # the lines of --transport mixed, in turn
 
 
+def name_of(node):
+    return 'node%d' % (node % NODES)
+
+
+def line_of(node):
+    """The line out of that node, as `fault` takes it."""
+    return '%s -> %s' % (name_of(node), name_of(node + 1))
+
+
 class RingFailed(Exception):
     """The ring did what it must not."""
 
@@ -68,13 +77,6 @@ class LiveRing:
     def transport_into(self, node):
         """Of the line into that node."""
         return self.transports[node % NODES % len(self.transports)]
-
-    def name_of(self, node):
-        return 'node%d' % (node % NODES)
-
-    def line(self, node):
-        """Out of that node, as `fault` takes it."""
-        return '%s -> %s' % (self.name_of(node), self.name_of(node + 1))
 
     @property
     def runtime(self):
