@@ -97,6 +97,7 @@ std::vector<Begun> LiveFaults::begin(const Fault& fault, const Wait& given) cons
 
 // The virtual ring does it to all nodes at one instant, keeps the notes, and thaws by its own clock.
 std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault, const Wait& wait) const {
+  if (fault.name == Name::thaw) daemons_.wake_ring();
   daemons_.ask_ring({{"do", "fault"}, {"fault", fault::to_words(fault, daemons_.nodes())}});
   const bool comes_up = fault.name == Name::start || fault.name == Name::power_cycle;
   const bool ends = fault.name == Name::freeze && fault.lasts.count() != 0;
@@ -259,6 +260,7 @@ void LiveFaults::clear_at(wire::NodeId node, std::chrono::milliseconds patience)
 }
 
 std::vector<std::string> LiveFaults::clear(std::chrono::milliseconds patience) const {
+  if (daemons_.is_virtual()) daemons_.wake_ring();
   const std::vector<wire::NodeId> ids = daemons_.node_ids();
   std::vector<std::string> problems;
   for (const Problem& problem : at_the_same_time(ids, [&](std::size_t i) { clear_at(ids[i], patience); }))

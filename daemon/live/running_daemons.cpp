@@ -112,6 +112,24 @@ json RunningDaemons::ask_ring(const json& request) const {
   return ask_through(port, request, kAnswer);
 }
 
+void RunningDaemons::wake_ring() const {
+  const pid_t pid = holder(nodes_.front().id).pid;
+  if (pid <= 0 || !process::is_stopped(pid)) return;
+  if (::kill(pid, SIGCONT) != 0)
+    throw NotDone("ring " + ring_ + ": pid " + std::to_string(pid) + ": " + std::strerror(errno));
+  const auto lets_in = [&] {
+    try {
+      connect_ring(ring_);
+      return true;
+    } catch (const HostPortError&) {
+      return process::is_gone(pid);
+    }
+  };
+  if (!wait_for([&] { return !process::is_stopped(pid); }, kSignalled))
+    throw NotDone("the process of ring " + ring_ + " does not go on (does a debugger hold it?)");
+  wait_for(lets_in, kSignalled);
+}
+
 json RunningDaemons::ask_through(HostPort& port, const json& request, milliseconds timeout) const {
   try {
     return ask_for_people(port, request, timeout);

@@ -41,6 +41,8 @@ class RunningDaemons {
   bool is_virtual() const { return holder(nodes_.front().id).on_virtual_ring; }
   /// Sends that process a request that concerns the ring as a whole. @pre is_virtual()
   nlohmann::json ask_ring(const nlohmann::json& request) const;
+  /// That process goes on, where somebody has stopped it: no fault does, which is of a node. @pre is_virtual()
+  void wake_ring() const;
 
   /// On a virtual ring the following four are done to the node in the simulation.
   /// SIGKILL; gone when this returns.

@@ -35,6 +35,19 @@ class Nodes(VirtualTest, FaultTest):
         self.assertGreater(self.row(2)['boot'], boot)
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
 
+    def test_a_process_that_somebody_has_stopped_goes_on_by_what_is_said_to_thaw_it(self):
+        self.up(plain_nodes(3))
+        self.begin('kill', 'node1')
+        self.begin('freeze', 'node2')
+        pid = self.row(0)['pid']
+        self.stop_process(pid)
+        self.assertIn("'ringctl fault clear' thaws them", self.ctl('ping', 'node1', '-c', 1).stderr)
+        self.assertIn('3 nodes up', self.fault('clear'))
+        self.assertEqual(self.listed(), {})
+        self.stop_process(pid)
+        self.assertEqual(self.fault('thaw', '2'), 'done: thaw 2\n')
+        self.wait_closed(range(3))
+
     def test_of_all_nodes_those_are_killed_that_live(self):
         self.up(plain_nodes(3))
         self.begin('kill', 'node2')
