@@ -7,11 +7,13 @@
 #include <cstring>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <system_error>
 
 #include "config/characters.h"
+#include "config/names.h"
 #include "fault/name.h"
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
@@ -154,15 +156,34 @@ bool is_killed(const std::string& folder, wire::NodeId node) {
   return !last.held && (last.on_virtual_ring || was_killed(folder, node, last.pid));
 }
 
+namespace {
+
+/// By the links NAME.host to ID.host.
+std::map<std::uint8_t, std::string> linked_names(const std::vector<std::string>& files) {
+  std::map<std::uint8_t, std::string> names;
+  for (const fs::path file : files) {
+    std::error_code no_link;
+    const auto id = node_of(fs::read_symlink(file, no_link).string(), ".host");
+    if (id && file.extension() == ".host" && config::is_node_name(file.stem())) names[*id] = file.stem();
+  }
+  return names;
+}
+
+}  // namespace
+
 std::vector<KnownNode> known_nodes(const std::string& folder) {
+  const std::vector<std::string> files = files_in(folder);
+  const auto names = linked_names(files);
   std::vector<KnownNode> nodes;
-  for (const fs::path file : files_in(folder)) {
+  for (const fs::path file : files) {
     const auto id = node_of(file, ".lock");
     if (!id) continue;
     const auto note = note_of(folder, wire::NodeId{*id});
     std::istringstream words(note ? note->words : "");
     std::string fault, name;
-    nodes.push_back({wire::NodeId{*id}, words >> fault >> name ? name : std::to_string(*id)});
+    const auto linked = names.find(*id);
+    if (!(words >> fault >> name)) name = linked == names.end() ? std::to_string(*id) : linked->second;
+    nodes.push_back({wire::NodeId{*id}, name});
   }
   std::sort(nodes.begin(), nodes.end(), [](const KnownNode& a, const KnownNode& b) { return a.id < b.id; });
   return nodes;

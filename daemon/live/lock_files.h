@@ -58,7 +58,7 @@ std::vector<std::string> left_rings();
 /// A node as the files of its ring's folder know it.
 struct KnownNode {
   wire::NodeId id;
-  std::string name;  ///< as a fault's note calls it; without one its id
+  std::string name;  ///< as a fault's note calls it, or a daemon that has not ended by itself (NAME.host); else its id
 };
 
 /// Those that have a lock file, by id: what can be told of a ring of which no daemon answers.

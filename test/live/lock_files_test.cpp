@@ -188,11 +188,14 @@ TEST_F(KilledNode, IsNoneThatIsFrozen) {
   EXPECT_FALSE(is_killed(ring, 3_id));
 }
 
-TEST_F(KilledNode, HasTheNameOfItsNoteAndOthersTheirId) {
-  std::ofstream(ring + "/12.lock") << 4712 << '\n';
+TEST_F(KilledNode, HasTheNameOfItsNoteAndOthersThatOfTheirSocketOrTheirId) {
+  for (const char* id : {"12", "13", "14"}) std::ofstream(ring + '/' + id + ".lock") << 4712 << '\n';
+  ASSERT_EQ(::symlink("13.host", (ring + "/left_hip.host").c_str()), 0);
+  ASSERT_EQ(::symlink("14.host", (ring + "/left\nhip.host").c_str()), 0);
+  ASSERT_EQ(::symlink("3.host", (ring + "/head.host").c_str()), 0);
   std::vector<std::string> names;
   for (const KnownNode& node : known_nodes(ring)) names.push_back(std::to_string(node.id) + ' ' + node.name);
-  EXPECT_THAT(names, ElementsAre("3 left_knee", "12 12"));
+  EXPECT_THAT(names, ElementsAre("3 left_knee", "12 12", "13 left_hip", "14 14"));
 }
 
 TEST_F(RingFolder, AFileThatIsNoNoteIsIgnored) {

@@ -45,7 +45,8 @@ class Nodes(VirtualTest, FaultTest):
         self.assertIn('3 nodes up', self.fault('clear'))
         self.assertEqual(self.listed(), {})
         self.stop_process(pid)
-        self.assertEqual(self.fault('thaw', '2'), 'done: thaw 2\n')
+        self.assertIn('node2 is frozen', self.fault('drop', 'node2:node0', code=1))   # its name is known all the same
+        self.assertEqual(self.fault('thaw', 'node2'), 'done: thaw node2\n')
         self.wait_closed(range(3))
 
     def test_of_all_nodes_those_are_killed_that_live(self):
