@@ -11,6 +11,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/scenario_row.h"
 #include "app/ringctl/tell_user.h"
 #include "app/ringctl/virtual/play_virtual.h"
 #include "cli/output.h"
@@ -36,34 +37,6 @@ struct ScenarioOptions {
   bool live = false, json = false, outputs = false;
   bool with_programs = false, scenario_cpus = false;  ///< under the virtual clock
 };
-
-app::Row results_of(const scenario::SendResults& send) {
-  app::Row row{{"name", send.name}, {"taken", send.tally.taken}};
-  for (std::size_t i = 0; i < send.tally.results.size(); ++i)
-    row[to_string(static_cast<core::Outcome>(i))] = send.tally.results[i];
-  row["worst_latency_ns"] = core::whole_nanoseconds(send.tally.worst).count();
-  return row;
-}
-
-app::Row row_of(const ScenarioRun& run) {
-  app::Row row{{"file", run.path},
-               {"scenario", run.name},
-               {"seed", run.seed},
-               {"met", !run.unmet.has_value()},
-               {"clock", run.live ? "live" : "virtual"},
-               {"lasted_ns", run.lasted.count()}};
-  row["expected"] = run.unmet ? app::Row(run.unmet->expected) : app::Row();
-  row["seen"] = run.unmet ? app::Row(run.unmet->seen) : app::Row();
-  if (run.trace) {
-    row["trace_hash"] = run.trace->hash;
-    row["not_repeatable"] = run.trace->not_repeatable;
-  }
-  row["sends"] = app::Row::array();
-  for (const auto& send : run.sends) row["sends"].push_back(results_of(send));
-  row["log"] = app::Row::array();
-  for (const auto& line : run.log) row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.words}});
-  return row;
-}
 
 void finish(std::ostream& out, const std::string& path) {
   const std::string problem = cli::finish_writing(out, path);
@@ -204,39 +177,42 @@ int run(const ScenarioOptions& options) {
   return unmet ? kNotDone : kDone;
 }
 
-}  // namespace
-
-void add_scenario(CLI::App& app, Context& context) {
-  auto options = std::make_shared<ScenarioOptions>();
-  CLI::App* scenario = add_command(app, "scenario", "Faults by script, and whether the ring copes");
-  scenario->require_subcommand(1);
-  add_scenario_list(*scenario, context);
-  add_scenario_shrink(*scenario, context);
-  CLI::App* command = add_command(*scenario, "run", "Run scenarios; exit code 1: an expectation was not met");
-  command->add_option("FILE", options->files, "Scenarios, YAML")->required();
-  auto* sim = command->add_flag("--sim", "Under a virtual clock, with models of CPUs: the default");
+/// On what kind of ring it is run, and what goes with one of them alone.
+void add_rings(CLI::App& command, ScenarioOptions& options) {
+  auto* sim = command.add_flag("--sim", "Under a virtual clock, with models of CPUs: the default");
   auto* with_programs =
-      command->add_flag("--virtual", options->with_programs,
-                        "Under a virtual clock, with the programs of the ring's file as CPUs, in lockstep");
-  auto* live = command->add_flag("--live", options->live,
-                                 "On live daemons: a ring of its own for each scenario, which meets no other");
+      command.add_flag("--virtual", options.with_programs,
+                       "Under a virtual clock, with the programs of the ring's file as CPUs, in lockstep");
+  auto* live = command.add_flag("--live", options.live,
+                                "On live daemons: a ring of its own for each scenario, which meets no other");
   sim->excludes(live)->excludes(with_programs);
   live->excludes(with_programs);
   command
-      ->add_option("--log", options->log, "Add what the programs print and the nodes log to this file, with --virtual")
+      .add_option("--log", options.log, "Add what the programs print and the nodes log to this file, with --virtual")
       ->needs(with_programs);
   command
-      ->add_flag("--scenario-cpus", options->scenario_cpus,
-                 "scenario_cpu as the CPU of every node, which takes packets and sends none, with --virtual")
+      .add_flag("--scenario-cpus", options.scenario_cpus,
+                "scenario_cpu as the CPU of every node, which takes packets and sends none, with --virtual")
       ->needs(with_programs);
-  command->add_option("--transport", options->transport, "unix, shm or udp for all lines, with --live")
+  command.add_option("--transport", options.transport, "unix, shm or udp for all lines, with --live")
       ->transform(cli::one_of(config::transport_words()))
       ->needs(live);
-  command->add_option("--junit", options->junit, "Write JUnit XML there");
-  CLI::Option* capture = command->add_option("--capture", options->capture,
-                                             "Write the packets on all lines there, as pcapng for Wireshark");
-  command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
+}
+
+void add_outputs(CLI::App& command, ScenarioOptions& options) {
+  command.add_option("--junit", options.junit, "Write JUnit XML there");
+  CLI::Option* capture =
+      command.add_option("--capture", options.capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  command.add_flag("--outputs", options.outputs, "Also as they leave each node: 'ringctl trace' needs that")
       ->needs(capture);
+}
+
+void add_run(CLI::App& scenario, Context& context) {
+  auto options = std::make_shared<ScenarioOptions>();
+  CLI::App* command = add_command(scenario, "run", "Run scenarios; exit code 1: an expectation was not met");
+  command->add_option("FILE", options->files, "Scenarios, YAML")->required();
+  add_rings(*command, *options);
+  add_outputs(*command, *options);
   command->add_option("--seed", options->seed, "Instead of the files' own")
       ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
   add_json(*command, options->json);
@@ -244,6 +220,16 @@ void add_scenario(CLI::App& app, Context& context) {
     if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
     context.action = [options] { return run(*options); };
   });
+}
+
+}  // namespace
+
+void add_scenario(CLI::App& app, Context& context) {
+  CLI::App* scenario = add_command(app, "scenario", "Faults by script, and whether the ring copes");
+  scenario->require_subcommand(1);
+  add_scenario_list(*scenario, context);
+  add_scenario_shrink(*scenario, context);
+  add_run(*scenario, context);
 }
 
 }  // namespace limb_ring::ringctl
