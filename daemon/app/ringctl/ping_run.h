@@ -1,16 +1,14 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
-#include <vector>
+#include <utility>
 
+#include "app/ringctl/ping_totals.h"
 #include "app/ringctl/ring_access.h"
 #include "process/signal_wait.h"
-#include "statistics/percentiles.h"
 
 namespace limb_ring::ringctl {
 
@@ -22,29 +20,6 @@ struct PingOrder {
   std::optional<std::chrono::nanoseconds> deadline;            ///< for all of it
   unsigned size = kMaxPayload;                                 ///< bytes of data
   std::uint8_t priority = 2;
-};
-
-/// How all the packets of a ping ended. Takes no more memory the longer it goes on.
-class PingTotals {
- public:
-  /// Round trips for p50 and p99: those of the last packets, as many as a count can be.
-  static constexpr std::size_t kKept = 1'000'000;
-
-  std::uint64_t sent = 0;
-  std::chrono::nanoseconds took{0};
-  std::string problem;  ///< why there was an early end: the daemon has gone. Empty: there was none
-
-  void add(const Result& result);
-  std::uint64_t with(Outcome outcome) const;
-  std::uint64_t ended() const;
-  /// Of the delivered ones: all, but for p50 and p99.
-  statistics::Percentiles round_trips() const;
-  bool all_are_kept() const { return with(Outcome::delivered) <= kKept; }
-
- private:
-  std::map<Outcome, std::uint64_t> ended_;
-  std::vector<std::chrono::nanoseconds> kept_;
-  std::chrono::nanoseconds least_ = std::chrono::nanoseconds::max(), most_{0};
 };
 
 /// Packets one after the other, each timed by the daemon: its first byte out to its matched return. Ends by
@@ -72,12 +47,5 @@ class PingRun {
   std::chrono::steady_clock::time_point begun_{};
   PingTotals totals_;
 };
-
-/// "512 bytes to left_knee (10): seq=1 time=61.2 us", or how else it ended.
-std::string ping_line(const PingOrder& order, std::uint64_t sequence, const Result& result);
-/// The statistics at the end, for people ...
-std::string ping_text(const PingOrder& order, const PingTotals& totals);
-/// ... and for programs.
-nlohmann::json ping_json(const PingOrder& order, const PingTotals& totals);
 
 }  // namespace limb_ring::ringctl

@@ -6,6 +6,7 @@
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/node_name.h"
+#include "app/ringctl/ping_report.h"
 #include "app/ringctl/ping_run.h"
 #include "app/ringctl/problems.h"
 #include "cli/values.h"
