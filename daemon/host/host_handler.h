@@ -47,6 +47,8 @@ class HostHandler {
   /// Whether such a request changes something, rather than only asking.
   virtual bool changes_something(const client::JsonRequest&) const { return false; }
   virtual void on_observe(ClientId client, const client::ObserveRequest& request) = 0;
+  /// A client cannot be let in, for want of descriptors most likely. Called once until one has been.
+  virtual void on_shortage(const std::string& /*why*/) {}
   /// A sign of life: called for every message of a client, before the message's own call.
   virtual void on_alive(ClientId client) = 0;
   /// The CPU can take packets where it could not: HostServer::cpu_can_take() has become true.

@@ -31,7 +31,8 @@ void HostServer::accept() {
   listener_.acceptor().async_accept(
       [this, alive = alive_](boost::system::error_code error, event_loop::UnixSocket socket) {
         if (error == boost::asio::error::operation_aborted || !*alive) return;
-        if (error) return accept_again_later();
+        if (error) return accept_again_later(error);
+        short_ = false;
         process::UniqueFd client(socket.release(error));
         if (frozen_) {
           came_while_frozen_ = std::move(client);
@@ -43,7 +44,8 @@ void HostServer::accept() {
 }
 
 /// Too many open files, most likely: trying at once would only burn the processor.
-void HostServer::accept_again_later() {
+void HostServer::accept_again_later(const boost::system::error_code& why) {
+  if (!std::exchange(short_, true)) handler_.on_shortage(why.message());
   accept_timer_.expires_after(kAcceptPause);
   accept_timer_.async_wait([this, alive = alive_](boost::system::error_code error) {
     if (!error && *alive) accept();

@@ -94,7 +94,7 @@ class HostServer final : private SessionOwner {
   using SessionPtr = std::shared_ptr<Session>;
 
   void accept();
-  void accept_again_later();
+  void accept_again_later(const boost::system::error_code& why);
   void admit(process::UniqueFd socket);
   std::string full() const;
   SessionPtr make_session(process::UniqueFd socket, const ClientInfo& info);
@@ -137,6 +137,7 @@ class HostServer final : private SessionOwner {
   SessionPtr left_cpu_;     ///< was that one, and on_left() is still to be called
   ClientId last_id_ = 0;
   HostCounters counters_;
+  bool short_ = false;  ///< the last client that came could not be let in
   bool frozen_ = false;
   process::UniqueFd came_while_frozen_;  ///< the next ones wait in the kernel
   /// False once closed: what was posted before must not call the handler then.

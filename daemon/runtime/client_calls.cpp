@@ -1,5 +1,7 @@
 #include "runtime/client_calls.h"
 
+#include <spdlog/spdlog.h>
+
 #include "runtime/observe_filter.h"
 #include "runtime/request_fields.h"
 #include "runtime/send_owner.h"
@@ -73,6 +75,10 @@ void ClientCalls::on_observe(host::ClientId client, const client::ObserveRequest
   } catch (const std::exception& error) {
     to_.host.observed(client, text_of({{"error", error.what()}}));
   }
+}
+
+void ClientCalls::on_shortage(const std::string& why) {
+  spdlog::warn("no more tools or CPUs can connect: {} (ulimit -n); trying again", why);
 }
 
 void ClientCalls::on_alive(host::ClientId client) {

@@ -37,6 +37,7 @@ class ClientCalls final : public host::HostHandler {
   void on_request(host::ClientId client, const client::JsonRequest& request) override;
   bool changes_something(const client::JsonRequest& request) const override;
   void on_observe(host::ClientId client, const client::ObserveRequest& request) override;
+  void on_shortage(const std::string& why) override;
   void on_alive(host::ClientId client) override;
   void on_credit(host::ClientId client) override;
 

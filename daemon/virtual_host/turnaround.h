@@ -35,6 +35,7 @@ class Turnaround final : public host::HostHandler {
   void on_observe(host::ClientId client, const client::ObserveRequest& request) override {
     calls_.on_observe(client, request);
   }
+  void on_shortage(const std::string& why) override { calls_.on_shortage(why); }
   void on_alive(host::ClientId client) override { calls_.on_alive(client); }
   void on_credit(host::ClientId client) override { calls_.on_credit(client); }
 

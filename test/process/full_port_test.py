@@ -1,5 +1,7 @@
 """A node all of whose places for clients are taken."""
 
+import os
+import resource
 import socket
 import struct
 
@@ -43,6 +45,20 @@ class FullPort(RingTest):
         self.assertEqual(self.ctl('--ring', self.ring, 'wait', 'up').returncode, 0)
         stop = self.ctl('--ring', self.ring, 'stop')
         self.assertIn("the stop ended 'delivered'", stop.stdout, stop.stderr)
+
+    def test_for_want_of_descriptors_says_so_and_lets_in_when_there_are_some(self):
+        daemon = self.start_ring(plain_nodes(2))[1]
+        limits = resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE)
+        descriptors = len(os.listdir('/proc/%d/fd' % daemon.pid))
+        resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE, (descriptors, limits[1]))
+        for _ in range(20):
+            client = socket.socket(socket.AF_UNIX)
+            self.addCleanup(client.close)
+            client.connect(self.socket_of(1))
+        said = 'warning [%s/node1] no more tools or CPUs can connect: Too many open files' % self.ring
+        self.wait('a word of it', lambda: said in self.log_of(daemon))
+        resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE, limits)
+        self.assertEqual(self.port(1, timeout=ring_process.GUARD).ask({'do': 'status'})['id'], 1)
 
     def test_can_be_asked_from_python(self):
         self.start_ring(plain_nodes(2), limits={'clients': 2})
