@@ -143,7 +143,7 @@ int list(const Context& context, const FaultOptions& options) {
   else if (list.unknown.empty())
     std::cout << "ring " << ring.ring() << " has no faults on purpose\n";
   if (!options.json)
-    for (const std::string& problem : list.unknown) std::cerr << "ringctl: " << problem << '\n';
+    for (const std::string& problem : list.unknown) tell_user(problem);
   return list.unknown.empty() ? kDone : kNotDone;
 }
 
