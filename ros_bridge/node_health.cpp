@@ -69,7 +69,9 @@ void NodeHealth::tell(DiagnosticStatusWrapper& out, Clock::time_point now) {
   tell_node(out, now);
   if (is_heard()) {
     tell_cpu(out);
-    if (status_.second_input_state == "down") out.mergeSummary(Level::WARN, "no second line: cannot fold back here");
+    if (status_.second_input_state == "down")
+      out.mergeSummary(Level::WARN,
+                       "broken second line into it: the ring can fold back only around the line out of it");
     for (const std::string& refusal : status_.refusals) out.mergeSummary(Level::ERROR, refusal);
     recent_.each(now, [&](const std::string& text) { out.mergeSummary(Level::WARN, text); });
   }

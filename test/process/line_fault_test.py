@@ -124,8 +124,12 @@ class Lines(FaultTest):
     def test_the_second_line_breaks_unnoticed_but_for_the_status_and_is_noisy_when_it_is_needed(self):
         self.start_ring(plain_nodes(4), timeouts=QUICK, redundancy='foldback')
         self.assertEqual(self.begin('cut', 'node2:node1'), ['node2.1'])
-        self.wait('shown', lambda: 'broken second line node2 -> node1' in self.ctl('status').stdout)
+        said = 'broken second line node2 -> node1: the ring can fold back only around node1 -> node2'
+        self.wait('shown', lambda: said in self.ctl('status').stdout)
         self.assertEqual({self.row(i)['state'] for i in range(4)}, {'up'})
+        self.begin('cut', 'node1:node2')
+        self.wait('folded around it', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
+        self.fault('heal', 'node1:node2')
         self.fault('heal', 'node2:node1')
         self.assertEqual(self.listed(), {})
         self.wait('whole', lambda: 'second line' not in self.ctl('status').stdout)

@@ -179,7 +179,7 @@ TEST_F(Health, WarnsWhereTheRingCouldNotFoldBack) {
   knee().second_input_state = "down";
   take();
   EXPECT_EQ(of_node().level, Level::WARN);
-  EXPECT_THAT(of_node().message, HasSubstr("no second line"));
+  EXPECT_THAT(of_node().message, HasSubstr("can fold back only around the line out of it"));
   knee().second_input_state = "up";
   take();
   EXPECT_EQ(of_node().level, Level::OK);

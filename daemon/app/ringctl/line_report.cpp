@@ -45,14 +45,16 @@ const json* answering_after(const std::vector<json>& rows, std::size_t place) {
   return nullptr;
 }
 
-/// Reported because a broken second line has no other effect until a first line breaks, too, and then it is too late.
+/// Reported because a broken second line has no other effect until a first line breaks, too, and then it is too late: a
+/// fold uses all second lines but the one beside the break.
 std::string broken_second_lines(const std::vector<json>& rows) {
   std::string text;
   for (std::size_t place = 0; place < rows.size(); ++place) {
     const json& row = rows[place];
     if (!has(row, "fold") || row["fold"]["second_input"] != "down") continue;
     if (const json* from = answering_after(rows, place))
-      text += "broken second line " + line_name(rows, (*from)["id"], row["id"]) + ": no folding back there\n";
+      text += "broken second line " + line_name(rows, (*from)["id"], row["id"]) +
+              ": the ring can fold back only around " + line_name(rows, row["id"], (*from)["id"]) + '\n';
   }
   return text;
 }

@@ -78,9 +78,11 @@ TEST(LineReport, NamesASecondLineThatIsBrokenByTheNextNodeThatIsThere) {
   for (json& row : rows) row["fold"] = {{"second_input", "up"}};
   EXPECT_EQ(line_report(rows), "");
   rows[1]["fold"]["second_input"] = "down";
-  EXPECT_EQ(line_report(rows), "broken second line node2 -> node1: no folding back there\n");
+  EXPECT_EQ(line_report(rows),
+            "broken second line node2 -> node1: the ring can fold back only around node1 -> node2\n");
   rows[2].erase("fold");  // it does not answer
-  EXPECT_EQ(line_report(rows), "broken second line node0 -> node1: no folding back there\n");
+  EXPECT_EQ(line_report(rows),
+            "broken second line node0 -> node1: the ring can fold back only around node1 -> node0\n");
 }
 
 TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {
