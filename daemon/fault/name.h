@@ -68,7 +68,8 @@ constexpr unsigned kHits = kPackets | kOnceIn | kSeed | kWhen;  ///< of those th
 
 /// In the order of Name.
 constexpr Word kWords[] = {
-    {Name::cut, "cut", Of::line, kWhen, "the wire is broken; the node behind learns of it at once"},
+    {Name::cut, "cut", Of::line, kWhen,
+     "the wire is broken; the node behind learns of it at once, over UDP by the silence"},
     {Name::heal, "heal", Of::line, 0, "the line is as new: ends all faults of a line"},
     {Name::drop, "drop", Of::line, kHits, "packets do not arrive"},
     {Name::corrupt, "corrupt", Of::line, kHits, "packets arrive with one bit wrong"},
@@ -93,7 +94,8 @@ constexpr Word kWords[] = {
     {Name::slow, "slow", Of::cpu, kFor | kEvery, "the CPU takes one packet in each period"},
     {Name::not_reading, "not_reading", Of::cpu, kFor, "the CPU sends, but takes no packet"},
     {Name::babble, "babble", Of::cpu, kFor | kEvery,
-     "the CPU sends the largest packets to all at the highest priority, one in each period"},
+     "the CPU sends the largest packets to all at the highest priority, one in each period; without `every` all it "
+     "can"},
 };
 
 inline const Word& word_of(Name name) { return kWords[static_cast<std::size_t>(name)]; }

@@ -76,24 +76,34 @@ std::string write_time(const Fault& fault) {
 std::string write_rate(const Fault& fault) { return fault.rate == 0 ? "" : config::format_rate(fault.rate); }
 
 const Row kRows[] = {
-    {{kPackets, "packets", kCount, "the next so many"}, read_count<&Fault::packets>, write_count<&Fault::packets>},
-    {{kOnceIn, "once_in", kCount, "each with the probability 1 / once_in"},
+    {{kPackets, "packets", kCount, "hits so many packets, then ends"},
+     read_count<&Fault::packets>,
+     write_count<&Fault::packets>},
+    {{kOnceIn, "once_in", kCount, "hits each packet by chance, one in so many"},
      read_count<&Fault::once_in>,
      write_count<&Fault::once_in>},
-    {{kDelay, "delay", kTime, "so much later"}, read_time<&Fault::delay>, write_time<&Fault::delay>},
-    {{kJitter, "jitter", kTime, "at random up to so much later"},
+    {{kDelay, "delay", kTime, "each packet comes so much later"}, read_time<&Fault::delay>, write_time<&Fault::delay>},
+    {{kJitter, "jitter", kTime, "each packet comes later at random, by up to so much"},
      read_time<&Fault::jitter>,
      write_time<&Fault::jitter>},
-    {{kRate, "rate", kRateRule, "no faster"}, read_rate, write_rate},
-    {{kEvery, "every", kTime, "a period"}, read_time<&Fault::every>, write_time<&Fault::every>},
-    {{kFor, "for", kTime, "for so long"}, read_time<&Fault::lasts>, write_time<&Fault::lasts>},
+    {{kRate, "rate", kRateRule, "the data rate"}, read_rate, write_rate},
+    {{kEvery, "every", kTime, "how long a period is"}, read_time<&Fault::every>, write_time<&Fault::every>},
+    {{kFor, "for", kTime, "ends by itself after so long"}, read_time<&Fault::lasts>, write_time<&Fault::lasts>},
     {{kAfter, "after", kTime, "starts so much later"}, read_time<&Fault::after>, write_time<&Fault::after>},
-    {{kAfterPackets, "after_packets", kCount, "starts when so many data packets of the node `of` have passed the line"},
+    {{kAfterPackets, "after_packets", kCount,
+      "starts when so many data packets of the node given by `of` have passed the line"},
      read_count<&Fault::after_packets>,
      write_count<&Fault::after_packets>},
-    {{kSeed, "seed", "a whole number from 1", "of what is random in it"}, read_seed, write_count<&Fault::seed>},
+    {{kSeed, "seed", "a whole number from 1", "of what is random in it; drawn, and printed, where it is not given"},
+     read_seed,
+     write_count<&Fault::seed>},
 };
 constexpr const char* kOf = "of";
+
+bool is_given(const Fault& fault, Key key) {
+  return std::any_of(std::begin(kRows), std::end(kRows),
+                     [&](const Row& row) { return row.key.key == key && !row.write(fault).empty(); });
+}
 
 std::vector<std::string> key_words(const Word& word) {
   std::vector<std::string> names;
@@ -177,9 +187,21 @@ std::vector<KeyWord> keys_of(const Word& word) {
   for (const Row& row : kRows) {
     if ((word.keys & row.key.key) == 0) continue;
     keys.push_back(row.key);
-    if (row.key.key == kAfterPackets) keys.push_back({kAfterPackets, kOf, "a node of the ring", "whose data packets"});
+    if (row.key.key == kAfterPackets)
+      keys.push_back({kAfterPackets, kOf, "a node of the ring", "whose data packets are counted"});
   }
   return keys;
+}
+
+std::vector<KeyWord> needed_keys_of(const Word& word) {
+  unsigned keys = 0;
+  if (word.name == Name::rate) keys = kRate;
+  if (word.name == Name::delay) keys = kDelay | kJitter;
+  if (word.name == Name::flap || word.name == Name::slow) keys = kEvery;
+  std::vector<KeyWord> needed;
+  for (const Row& row : kRows)
+    if ((keys & row.key.key) != 0) needed.push_back(row.key);
+  return needed;
 }
 
 void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes) {
@@ -236,11 +258,13 @@ void check(const Fault& fault) {
   const Word& word = word_of(fault.name);
   if (fault.nodes.empty() && word.of == Of::line) throw ParseError(needs(word, "a line"), "A -> B");
   if (fault.nodes.empty()) throw ParseError(needs(word, "a node"), "a node of the ring, or several, or all");
-  if (fault.name == Name::rate && fault.rate == 0) throw MissingKey(word.word, {"rate"}, kRateRule);
-  if (fault.name == Name::delay && (fault.delay + fault.jitter).count() == 0)
-    throw MissingKey(word.word, {"delay", "jitter"}, kTime);
-  const bool periodic = fault.name == Name::flap || fault.name == Name::slow;
-  if (periodic && fault.every.count() == 0) throw MissingKey(word.word, {"every"}, kTime);
+  const std::vector<KeyWord> needed = needed_keys_of(word);
+  std::vector<std::string> names;
+  for (const KeyWord& key : needed) {
+    if (is_given(fault, key.key)) return;
+    names.emplace_back(key.word);
+  }
+  if (!needed.empty()) throw MissingKey(word.word, names, needed[0].allowed);
 }
 
 namespace {
@@ -296,8 +320,10 @@ Fault from_words(const std::string& text, const RingNodes& nodes) {
     set_key(fault, key, parts[i].substr(equals + 1), nodes);
   }
   set_place(fault, who, nodes);
-  if ((keys.count(kOf) != 0) != (fault.after_packets != 0))
-    throw ParseError("after_packets and of are not both given", "after_packets=100 of=NODE");
+  if (fault.after_packets != 0 && keys.count(kOf) == 0)
+    throw MissingKey(word_of(fault.name).word, {kOf}, "a node of the ring, whose data packets are counted");
+  if (fault.after_packets == 0 && keys.count(kOf) != 0)
+    throw MissingKey(word_of(fault.name).word, {"after_packets"}, std::string(kCount) + ", where `of` is given");
   check(fault);
   return fault;
 }

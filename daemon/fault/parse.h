@@ -72,6 +72,8 @@ struct KeyWord {
   const char* meaning;
 };
 std::vector<KeyWord> keys_of(const Word& word);
+/// Those of which one has to be given; empty where the fault needs none.
+std::vector<KeyWord> needed_keys_of(const Word& word);
 /// One `key=value` into the fault. @throw ParseError
 void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes);
 /// Its nodes: one or several, or `all`. @throw ParseError

@@ -111,7 +111,10 @@ TEST(FaultWords, SayWhatIsMissing) {
   EXPECT_THAT(refusal_of("rate hip -> knee"), StartsWith("rate needs rate; allowed: a rate such as"));
   EXPECT_THAT(refusal_of("delay hip -> knee"), StartsWith("delay needs delay or jitter; allowed: a time"));
   EXPECT_THAT(refusal_of("flap hip -> knee"), StartsWith("flap needs every; allowed: a time"));
-  EXPECT_THAT(refusal_of("cut hip -> knee after_packets=5"), StartsWith("after_packets and of are not both given"));
+  EXPECT_THAT(refusal_of("slow knee"), StartsWith("slow needs every; allowed: a time"));
+  EXPECT_THAT(refusal_of("cut hip -> knee after_packets=5"),
+              StartsWith("cut needs of; allowed: a node of the ring, whose data packets"));
+  EXPECT_THAT(refusal_of("cut hip -> knee of=hip"), StartsWith("cut needs after_packets; allowed: a whole"));
 }
 
 }  // namespace

@@ -266,6 +266,14 @@ class Words(FaultTest):
                      'freeze thaw hang resume reset crash slow not_reading babble list remove clear').split():
             self.assertRegex(text, r'(?m)^  %s +\S' % re.escape(word))
 
+    def test_help_of_a_fault_says_what_has_to_be_given(self):
+        for word, option, needed in (('rate', 'rate', 'required'), ('flap', 'every', 'required'), ('slow', 'every', 'required'),
+                                     ('delay', 'delay', '--delay or --jitter is required'),
+                                     ('delay', 'jitter', '--delay or --jitter is required')):
+            self.assertRegex(self.ctl('fault', word, '--help').stdout, r'(?m)^  --%s TEXT .*; %s$' % (option, needed))
+        for word in 'babble', 'drop', 'cut', 'hang':
+            self.assertNotRegex(self.ctl('fault', word, '--help').stdout, r'(?m)^  --.*required')
+
     def test_wrong_words_are_refused_with_what_would_be_right(self):
         self.start_ring(plain_nodes(3))
         for arguments, what in (
@@ -277,7 +285,7 @@ class Words(FaultTest):
                 (('drop', 'node0 -> node1', 3), "'3' is a word too many; allowed: --packets 3\n"),
                 (('hang', 'node0', '2s'), "'2s' is a word too many; allowed: --for 2s\n"),
                 (('cut', 'node0:node1', 'node2'), "'node2' is a word too many; allowed: one line A:B, and options\n"),
-                (('drop', 'node0:node1', '--after-packets', 5), 'of=NODE'),
+                (('drop', 'node0:node1', '--after-packets', 5), 'drop needs --of; allowed: a node of the ring, whose data packets'),
                 (('delay', 'node0:node1'), 'delay needs --delay or --jitter; allowed: a time'),
                 (('cut', 'node0'), 'cut needs a line'),
                 (('cut', 'node0:node1', 'node1:node2'), 'one line A:B'),

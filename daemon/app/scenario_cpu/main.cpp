@@ -28,8 +28,9 @@ int main(int argc, char** argv) {
     const bool help = std::strcmp(argv[1], "--help") == 0 || std::strcmp(argv[1], "-h") == 0;
     std::fprintf(
         help ? stdout : stderr,
-        "scenario_cpu: the CPU of every node of a scenario on live daemons: takes packets, and counts them where\n"
-        "the scenario sees it. 'ringctl scenario run --live' has ringd start it. No options.\n");
+        "scenario_cpu: the CPU of a node in a scenario: takes packets, and counts them where the scenario sees it.\n"
+        "'ringctl scenario run' has ringd start it: with --live at every node, with --virtual at those whose CPU is\n"
+        "no program of the ring's file, or with --scenario-cpus at every node. No options.\n");
     return help ? 0 : 2;
   }
   try {

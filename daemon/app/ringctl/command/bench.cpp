@@ -9,6 +9,7 @@
 #include "bench/report_text.h"
 #include "bench/suite.h"
 #include "cli/values.h"
+#include "config/names.h"
 #include "process/find_program.h"
 #include "process/signal_wait.h"
 
@@ -66,7 +67,9 @@ void add_bench(CLI::App& app, Context& context) {
       ->transform(cli::whole(1, 100));
   command
       ->add_option("--only", setup.only,
-                   "Measure these alone, beside the reference, unix also while a dump reads along; separated by commas")
+                   "Measure these alone, beside the reference; separated by commas: " +
+                       config::join({std::begin(bench::kCases), std::end(bench::kCases)}) +
+                       ". With unix also the same ring while a dump reads along")
       ->delimiter(',')
       ->check(cli::one_of({std::begin(bench::kCases), std::end(bench::kCases)}));
   command->add_flag("--no-ros", options->no_ros, "Leave the chain of topic_tools/relay out");

@@ -146,7 +146,7 @@ int run(const Context& context, DumpOptions options) {
 }
 
 void add_filter(CLI::App& command, FilterWords& words) {
-  command.add_option("--at", words.at, "in, out or both; default in, where each packet of a closed ring passes once")
+  command.add_option("--at", words.at, "in, out or in,out; default in, where each packet of a closed ring passes once")
       ->delimiter(',')
       ->transform(cli::one_of(kLines));
   command.add_option("--kind", words.kinds, "data, control (hellos, beacons), interrupt; default all")

@@ -176,6 +176,15 @@ int clear(const Context& context, const FaultOptions& options) {
   return kDone;
 }
 
+/// "how long a period is; a time such as 5ms or 200us, up to 3600s; required"
+std::string help_of(const fault::KeyWord& key, const fault::Word& word) {
+  const std::string text = std::string(key.meaning) + "; " + key.allowed;
+  std::vector<std::string> needed;
+  for (const fault::KeyWord& one : fault::needed_keys_of(word)) needed.push_back(option_name(one.word));
+  if (std::find(needed.begin(), needed.end(), option_name(key.word)) == needed.end()) return text;
+  return text + "; " + (needed.size() > 1 ? config::join(needed, " or ") + " is " : "") + "required";
+}
+
 void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
   auto options = std::make_shared<FaultOptions>();
   CLI::App* command = add_command(faults, word.word, word.meaning);
@@ -184,8 +193,7 @@ void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
       ->required()
       ->type_name(line ? "A:B" : "NODE");
   for (const fault::KeyWord& key : fault::keys_of(word))
-    command->add_option(option_name(key.word), options->parameters[key.word],
-                        std::string(key.meaning) + "; " + key.allowed);
+    command->add_option(option_name(key.word), options->parameters[key.word], help_of(key, word));
   add_json(*command, options->json);
   command->callback([&context, &word, options] {
     context.action = [&context, &word, options] { return begin(context, word, *options); };

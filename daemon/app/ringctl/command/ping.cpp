@@ -65,7 +65,8 @@ int run(const Context& context, const PingOptions& options) {
 }
 
 void add_options(CLI::App& command, PingOptions& options) {
-  command.add_option("TO,--to", options.to, "Node to send to, id or name: alone, or behind --to")->required();
+  command.add_option("TO,--to", options.to, "Node to send to, id or name; as `ping NODE` or `ping --to NODE`")
+      ->required();
   command.add_option("--from", options.from, "Node that sends, id or name; default: the first that answers");
   command.add_option("-c,--count", options.count, "End after so many, 1 to 1000000; default: at Ctrl-C (--json: 10)")
       ->transform(cli::whole(1, 1000000));
