@@ -15,7 +15,9 @@ struct FileEntry {
 };
 
 constexpr FileEntry kFiles[] = {
-    {"$XDG_RUNTIME_DIR/limb_ring/RING/", "Sockets and locks of a ring that runs, and the logs of its daemons."},
+    {"$XDG_RUNTIME_DIR/limb_ring/RING/",
+     "Sockets and locks of a ring that runs, and the logs of its daemons. Where the variable is not set, or no "
+     "absolute path: limb_ring-UID/RING/ in the temporary folder."},
     {"~/.config/limb_ring/RING.yaml",
      "A ring of yours, which 'ringctl up RING' finds by its name ($XDG_CONFIG_HOME where that is set)."},
     {"/etc/limb_ring/RING.yaml", "A ring for all users of this machine."},

@@ -44,8 +44,9 @@ Option<BridgeConfig> controllers_option() {
 Option<BridgeConfig> bridge_phase_option() {
   return {
       "phase", "none", allowed(kBridgePhases),
-      "joint_states go out so long after the multiples of their period on the clock, at which limb_firmware samples: "
-      "with enough of it each holds the samples of its own period. none: counted from the bridge's start.",
+      "joint_states go out so long after each multiple of their period on the clock. limb_firmware samples at the "
+      "multiples, so with enough of it each message holds the samples of its own period. none: periods count from the "
+      "bridge's start.",
       [](const Entry& entry, BridgeConfig& bridge) { bridge.phase = read_time(entry, kBridgePhases); }};
 }
 

@@ -15,7 +15,8 @@ const Section<SupervisorConfig>& supervisor_section() {
                   "A CPU is not judged for so long after its start; a reset that is not confirmed by then has failed."),
       integer_option("tries", &SupervisorConfig::tries, {1, 10}, "auto: resets in a row before a CPU is given up."),
       time_option("backoff", &SupervisorConfig::backoff, 10ms, 600s,
-                  "auto: wait from one reset of a CPU to the next; it doubles, until the CPU has run for long."),
+                  "auto: wait from one reset of a CPU to the next; it doubles, until the CPU has run for `grace` and "
+                  "this wait."),
   };
   return section;
 }

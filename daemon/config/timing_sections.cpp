@@ -7,7 +7,7 @@ using namespace std::chrono_literals;
 const Section<Limits>& limits_section() {
   static const Section<Limits> section{
       integer_option("insertion_buffer", &Limits::insertion_buffer, {2, 1024},
-                     "Room for DATPs of 524 bytes that wait in the Packet Manager; one more is dropped, counted."),
+                     "Room for so many DATPs of 524 bytes that wait to be relayed; one more is dropped, counted."),
       integer_option("interrupt_buffer", &Limits::interrupt_buffer, {2, 4096},
                      "INTPs that may wait there; one more is dropped, counted."),
       integer_option("send_queue", &Limits::send_queue, {1, 65536},
@@ -29,7 +29,8 @@ const Section<Timeouts>& timeouts_section() {
                   "A unicast refused by a full receiver is tried again for so long."),
       time_option("refused_backoff", &Timeouts::refused_backoff, 1ms, 10s,
                   "Longest wait between those tries; it doubles from 1ms."),
-      time_option("queue", &Timeouts::queue, 1ms, 600s, "A send that could not go onto the line within this ends."),
+      time_option("queue", &Timeouts::queue, 1ms, 600s,
+                  "A send that is not on the line after so long ends as rejected; a retry as lost or refused."),
       time_option("stall", &Timeouts::stall, 1ms, 60s,
                   "A packet in flight of which nothing came for so long is aborted."),
       time_option("idle", &Timeouts::idle, 1ms, 10s,
@@ -40,7 +41,7 @@ const Section<Timeouts>& timeouts_section() {
       time_option("break_grace", &Timeouts::break_grace, 0ms, 60s,
                   "A lost input counts as a broken line when no bypass has closed the gap for so long."),
       time_option("fold_permission", &Timeouts::fold_permission, 0ms, 60s,
-                  "foldback: a node does not fold so long after its start, unless its lines have been up."),
+                  "foldback: for so long after its start a node does not fold, unless both its lines have been up."),
       time_option("beacon", &Timeouts::beacon, 10ms, 60s, "Each node tells all others its state so often."),
       time_option("cpu_boot", &Timeouts::cpu_boot, 10ms, 600s,
                   "A CPU that has not connected so long after its start counts as failed."),

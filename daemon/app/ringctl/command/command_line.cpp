@@ -93,7 +93,9 @@ int run_command_line(int argc, char** argv) {
   CLI::App app("Starts, queries and controls rings of limb_ring daemons (ringd).", "ringctl");
   app.footer(std::string("'ringctl help SUBCOMMAND' explains one of them.\n") + kExitCodesHelp);
   app.require_subcommand(1);
-  app.add_option("--ring", context.ring, "Name of the ring; default: the only one running");
+  app.add_option(
+      "--ring", context.ring,
+      "Name of the ring; default: the one that LIMB_RING_RING names in the environment, else the only one running");
   app.add_flag(
       "--ssh", context.ssh,
       "What only another host of the ring can do is done there: this command line, run by ssh without a password");

@@ -127,7 +127,7 @@ void add_down(CLI::App& app, Context& context) {
   CLI::App* command =
       add_command(app, "down", "End a ring: ask its daemons to, then SIGTERM, then SIGKILL; tidy its folder");
   auto all = std::make_shared<bool>(false);
-  CLI::Option* name = command->add_option("RING", *ring, "Its name; default: the only one running");
+  CLI::Option* name = command->add_option("RING", *ring, "Name of the ring; default: as --ring");
   command->add_flag("--all", *all, "All rings of this user")->excludes(name);
   command->callback([&context, ring, all] {
     context.action = [&context, ring, all] {

@@ -76,7 +76,7 @@ void add_status(CLI::App& app, Context& context) {
       add_command(app, "status",
                   "Show all nodes; one without a daemon is 'down'; one whose daemon is stopped is 'frozen', and "
                   "'unanswered' where it lives and has not answered, or could not be asked");
-  command->add_option("RING", options->ring, "Its name; default: the only one running");
+  command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

@@ -167,7 +167,7 @@ int run(const Context& context, const TopOptions& options) {
 void add_top(CLI::App& app, Context& context) {
   auto options = std::make_shared<TopOptions>();
   CLI::App* command = add_command(app, "top", "Watch all nodes: states, traffic, load, round trips, errors");
-  command->add_option("RING", options->ring, "Its name; default: the only one running");
+  command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   command->add_option("--interval", options->interval_s, "Seconds between two readings, 0.1 to 3600; default 1")
       ->transform(cli::seconds(0.1, 3600.0));
   command->add_flag("--once", options->once, "Print once, after one interval, and end");

@@ -162,7 +162,7 @@ void add_watch(CLI::App& app, Context& context) {
       "Judge a living ring's promises until Ctrl-C or the ring is taken down: what is delivered has arrived, once "
       "and in order, every send has one result, pins are pulled once, nothing circles; a "
       "line for each one that is broken, and then exit code 1, as where a node could not be watched");
-  command->add_option("RING", options->ring, "Its name; default: the only one running");
+  command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   command->add_option("--for", options->lasts_s, "End after so many seconds; default: never")
       ->transform(cli::seconds(0.1, 1e9));
   add_json(*command, options->json);
