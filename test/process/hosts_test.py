@@ -29,6 +29,20 @@ class TwoHosts(HostsTest):
         self.assertEqual({name: after[name] - before[name] >= 100 for name in self.names},
                          {'waist0': True, 'waist1': False, 'head0': True, 'head1': False})
 
+    def test_up_says_why_a_part_with_another_file_is_not_in_the_ring(self):
+        self.up('waist')
+        with open(self.config, encoding='utf-8') as file:
+            ring = json.load(file)
+        ring['timeouts']['beacon'] = '150ms'
+        edited = self.write('edited.yaml', json.dumps(ring))
+
+        def told():  # where waist is too slow to answer, it is passed over instead
+            said = self.on('head', 'up', edited, '--host', 'head', '--detach', '--timeout', 30)
+            self.on('head', 'down')
+            self.assertIn('all nodes of host head are up (2), 2 of 4 are in the ring; ', said)
+            return 'it runs another ring file: timeouts differ\n' in said
+        self.wait('told', told)
+
     def datagrams_in(self):
         return {row['name']: row['counters']['input_datagrams'] for host in self.hosts
                 for row in self.json_on(host, 'status')['nodes'] if row['name'].startswith(host)}

@@ -30,11 +30,11 @@ class RingWatch {
   std::optional<NotReady> first_not_ready();
   /// How many nodes the ring had, as far as the nodes here knew when they were asked last.
   std::size_t ring_size() const { return ring_size_; }
+  /// Why a node will never get into the ring, as told by any node that answers, behind "; "; empty if none says so.
+  std::string refusal();
 
  private:
   std::string lack_of(std::size_t index);
-  /// Why a node will never get into the ring, as told by any node that answers; empty if none says so.
-  std::string refusal();
   nlohmann::json status_of(std::size_t index);
 
   const RingPlan& plan_;

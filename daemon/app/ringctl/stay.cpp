@@ -24,16 +24,20 @@ constexpr milliseconds kGraceOfRing{3000};
 
 }  // namespace
 
-void announce(const RingPlan& plan, std::size_t ring_size) {
+void announce(const RingPlan& plan, RingWatch& watch) {
+  const std::size_t ring_size = watch.ring_size();
   const std::string here = std::to_string(plan.nodes.size());
   std::string text = "ring " + plan.ring;
   if (!plan.is_part())
     text += " is closed: " + here + " nodes up";
   else if (ring_size == plan.ring_size)
     text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here + " of them here, on host " + plan.host;
-  else
+  else {
+    const std::string refusal = watch.refusal();
     text += ": all nodes of host " + plan.host + " are up (" + here + "), " + std::to_string(ring_size) + " of " +
-            std::to_string(plan.ring_size) + " are in the ring; 'ringctl wait up' waits for the other hosts";
+            std::to_string(plan.ring_size) + " are in the ring" +
+            (refusal.empty() ? "; 'ringctl wait up' waits for the other hosts" : refusal);
+  }
   std::cout << text << std::endl;
   process::tell_ready(text);
 }
@@ -121,7 +125,7 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process
       progress.tell("waiting for " + waiting->lack);
     } else {
       lock.release();
-      announce(plan, watch->ring_size());
+      announce(plan, *watch);
       watch.reset();
     }
   }

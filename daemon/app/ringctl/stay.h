@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 #include "app/ringctl/ring_plan.h"
@@ -12,8 +11,8 @@
 
 namespace limb_ring::ringctl {
 
-/// Says that the ring, or this host's part of it, is up.
-void announce(const RingPlan& plan, std::size_t ring_size);
+/// Says that the ring, or this host's part of it, is up; of a part that is refused by the others, why.
+void announce(const RingPlan& plan, RingWatch& watch);
 
 /// A second request to end kills at once.
 void end(live::LaunchedRing& daemons, process::SignalWait& signals);

@@ -107,7 +107,7 @@ int run(const RingPlan& plan, const UpOptions& options) {
   }
   lock.release();
   if (daemons.first_ended() == nullptr)
-    announce(plan, watch.ring_size());
+    announce(plan, watch);
   else
     std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
   const auto keeper = start_keeper(plan, lifetime);
