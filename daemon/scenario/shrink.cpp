@@ -229,7 +229,8 @@ ScenarioSize size_of(const Scenario& scenario) {
 }
 
 std::string in_words(const ScenarioSize& size) {
-  return std::to_string(size.faults) + " faults and " + std::to_string(size.sends) + " sends";
+  return std::to_string(size.faults) + (size.faults == 1 ? " fault and " : " faults and ") +
+         std::to_string(size.sends) + (size.sends == 1 ? " send" : " sends");
 }
 
 bool alike(const Unmet& one, const Unmet& other) {

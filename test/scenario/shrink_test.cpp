@@ -148,6 +148,11 @@ never: [{node: node1, is: down}]
   EXPECT_THAT(small->text, HasSubstr("ring: ../ring.yaml"));
 }
 
+TEST(ScenarioSize, InWordsKnowsOneFromMany) {
+  EXPECT_EQ(in_words(ScenarioSize{1, 1}), "1 fault and 1 send");
+  EXPECT_EQ(in_words(ScenarioSize{0, 40}), "0 faults and 40 sends");
+}
+
 TEST_F(Shrink, TellsOfEachRun) {
   std::size_t told = 0;
   request_.tell = [&told](std::size_t runs) { told = runs; };
