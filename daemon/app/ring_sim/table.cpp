@@ -90,6 +90,7 @@ void add_table(CLI::App& app, Context& context) {
   CLI::App* command = add_command(app, "table",
                                   "Every case of the paper's figures, formula beside measurement; then for 2 to 254 "
                                   "nodes, and other payloads");
+  command->footer(kCasesHelp + std::string(kExitCodesHelp));
   add_medium(*command, options->medium);
   add_seed(*command, options->seed);
   command->add_flag("--only", options->alone, "Leave the other numbers of nodes and payloads out");

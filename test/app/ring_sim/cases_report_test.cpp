@@ -10,6 +10,7 @@
 #include "app/completed_help.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
+#include "study/analysis/cases.h"
 #include "support/temporary_folder.h"
 
 namespace limb_ring::ring_sim {
@@ -148,6 +149,14 @@ TEST(Commands, ExplainThemselvesAndTheirExitCodes) {
     const CliRun said = ring_sim({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done"))) << command;
+  }
+}
+
+TEST(Commands, OfCasesExplainEachOfThem) {
+  for (const char* command : {"table", "run"}) {
+    const CliRun said = ring_sim({command, "--help"});
+    for (const study::Case which : study::kCases)
+      EXPECT_THAT(said.out, HasSubstr(std::string("\n  ") + to_string(which) + ": ")) << command;
   }
 }
 
