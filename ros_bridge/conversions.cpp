@@ -11,6 +11,12 @@ namespace {
 
 using Values = std::vector<double>;
 
+/// A NaN has a sign, which says nothing to a reader.
+std::string not_finite(double value) {
+  if (std::isnan(value)) return "NaN";
+  return value > 0 ? "infinity" : "minus infinity";
+}
+
 void check_array(const char* name, const Values& values, const std::vector<std::string>& joints) {
   if (!values.empty() && values.size() != joints.size())
     throw std::invalid_argument(std::string("'") + name + "' has " + std::to_string(values.size()) + " entries for " +
@@ -18,7 +24,7 @@ void check_array(const char* name, const Values& values, const std::vector<std::
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]))
       throw std::invalid_argument(std::string("'") + name + "' of joint '" + config::printable(joints[i]) + "' is " +
-                                  std::to_string(values[i]) + "; it must be a finite number");
+                                  not_finite(values[i]) + "; it must be a finite number");
 }
 
 void check(const sensor_msgs::JointState& message) {

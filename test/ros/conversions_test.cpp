@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
 
 #include "ros/small_robot.h"
@@ -75,10 +76,15 @@ TEST_F(SplitCommand, RefusesAnArrayOfAnotherLengthNamingBoth) {
 
 TEST_F(SplitCommand, RefusesWhatIsNotANumberNamingTheJoint) {
   message.name = {"knee_pitch", "hip_roll"};
-  message.position = {0, std::numeric_limits<double>::quiet_NaN()};
-  EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'hip_roll' is nan"));
+  // Without its sign, which 0.0 / 0.0 sets.
+  for (const double sign : {1.0, -1.0}) {
+    message.position = {0, std::copysign(std::numeric_limits<double>::quiet_NaN(), sign)};
+    EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'hip_roll' is NaN; it must be a finite number"));
+  }
   message.position = {std::numeric_limits<double>::infinity(), 0};
-  EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'knee_pitch' is inf"));
+  EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'knee_pitch' is infinity;"));
+  message.position = {-std::numeric_limits<double>::infinity(), 0};
+  EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'knee_pitch' is minus infinity;"));
 }
 
 TEST_F(SplitCommand, RefusesAMessageWithoutNamesAndAJointNamedTwice) {
