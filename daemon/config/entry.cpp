@@ -9,6 +9,8 @@
 namespace limb_ring::config {
 namespace {
 
+constexpr const char* kMerge = "<<";
+
 std::string one_line(const YAML::Node& node) {
   constexpr std::size_t kLongest = 200;
   if (node.IsScalar()) return printable(node.Scalar());
@@ -49,6 +51,9 @@ std::vector<Member> Entry::members(const std::string& allowed) const {
   for (const auto& pair : node_) {
     const std::string name = Entry(pair.first, path_of("?"), *document_).text("a plain name");
     const Entry key(pair.first, path_of(printable(name)), *document_);
+    if (name == kMerge)
+      key.refuse("is YAML's merge key, which is not supported",
+                 "the entries themselves; an anchor and its alias (&name, *name) for a whole value");
     if (!names.insert(name).second) key.refuse("is given twice", "once");
     all.push_back({key, Entry(pair.second, key.path(), *document_), name});
   }

@@ -62,6 +62,16 @@ TEST(WrongEntry, GivenTwice) {
               Eq("ring.yaml:7:1: entry 'bridge': is given twice; allowed: once"));
 }
 
+TEST(WrongEntry, TheMergeKeyIsNotSupportedAndAnAliasIs) {
+  const std::string merge = "{<<: *longer, send: 200ms}";
+  EXPECT_THAT(refusal_of(two_nodes("timeouts: &longer {send: 200ms}\nbridge: " + merge + "\n")),
+              Eq("ring.yaml:7:10: entry 'bridge.<<': is YAML's merge key, which is not supported; allowed: the entries "
+                 "themselves; an anchor and its alias (&name, *name) for a whole value"));
+  EXPECT_THAT(refusal_of("ring: pair\nnodes:\n  - &limb {id: 0}\n  - {<<: *limb, id: 1}\n"),
+              StartsWith("ring.yaml:4:6: entry 'nodes[1].<<': is YAML's merge key"));
+  EXPECT_EQ(refusal_of("ring: pair\nnodes:\n  - {id: 0, cpu: &same attached}\n  - {id: 1, cpu: *same}\n"), "");
+}
+
 TEST(WrongEntry, AValueWhereAMapIsExpected) {
   EXPECT_THAT(refusal_of(two_nodes("limits: 7\n")),
               StartsWith("ring.yaml:6:9: entry 'limits': '7' is no map (name: value); allowed: a map "
