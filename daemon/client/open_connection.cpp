@@ -107,6 +107,14 @@ std::optional<UnixSocket> open_socket(const Target& target, std::string& problem
   return std::nullopt;
 }
 
+/// Where no daemon has ever been: it may be another node that was meant.
+std::string who_is_there(const Target& target, const ConnectOptions& options) {
+  struct stat status {};
+  if (lstat(target.path.c_str(), &status) == 0) return "";
+  const std::vector<std::string> nodes = running_nodes(target.ring, options.runtime);
+  return nodes.empty() ? "" : "; nodes of this ring that run here: " + joined(nodes);
+}
+
 /// A daemon that comes late has as long to answer as one that was there from the start.
 Clock::time_point answers_by(const ConnectOptions& options, Clock::time_point deadline) {
   const bool one_try = options.timeout.count() <= 0;
@@ -142,7 +150,7 @@ Connection open_connection(const ConnectOptions& options, Clock::time_point dead
     std::string problem;
     std::optional<Connection> connection = try_once(target, options, deadline, problem);
     if (connection) return std::move(*connection);
-    if (Clock::now() >= deadline) throw HostPortTimeout(problem);
+    if (Clock::now() >= deadline) throw HostPortTimeout(problem + who_is_there(target, options));
     meanwhile.look();
     std::this_thread::sleep_for(kBetweenTries);
   }

@@ -52,6 +52,11 @@ def _place(what, value):
     return str(value)
 
 
+def _no_node(node, rows):
+    names = ', '.join('%d (%s)' % (row['id'], row['name']) if 'name' in row else str(row['id']) for row in rows)
+    return RingError('no node %s in this ring; it has: %s' % (node, names))
+
+
 def _users_folder():
     """As ringctl has it; empty where nobody says."""
     config = os.environ.get('XDG_CONFIG_HOME', '')
@@ -228,10 +233,11 @@ class Ring:
 
     def node(self, node):
         """The row of one node: 'state', 'ring_size', 'cpu', 'counters' ..."""
-        for row in self.status()['nodes']:
+        rows = self.status()['nodes']
+        for row in rows:
             if node in (row['id'], str(row['id']), row.get('name')):
                 return row
-        raise RingError('no node %s in this ring' % node)
+        raise _no_node(node, rows)
 
     def cpu(self, node):
         """'state', 'boots', 'pid' of a node's CPU."""
@@ -300,8 +306,8 @@ class Ring:
         if node not in self._ids:
             rows = self.status()['nodes']
             self._ids = {str(name): row['id'] for row in rows for name in (row['id'], row.get('name', row['id']))}
-        if node not in self._ids:
-            raise RingError('no node %s in this ring' % node)
+            if node not in self._ids:
+                raise _no_node(node, rows)
         return self._ids[node]
 
     def send(self, source, to, data, priority=2, channel=None, timeout=10.0):

@@ -39,6 +39,18 @@ TEST_F(Connect, SaysWhereItLookedWhenNoDaemonIsThere) {
                  AllOf(HasSubstr(folder.path() + "/limb_ring/r/3.host"), HasSubstr("is ringd running")));
 }
 
+TEST_F(Connect, NamesTheNodesThatRunWhereItWasAskedForAnother) {
+  test::FakeDaemon twelfth("r", "12"), third;
+  const std::string in_ring = folder.path() + "/limb_ring/r/";
+  ASSERT_EQ(symlink("3.host", (in_ring + "left_knee.host").c_str()), 0);
+  ASSERT_EQ(symlink("4.host", (in_ring + "left_foot.host").c_str()), 0);
+  EXPECT_EQ(running_nodes("r"), (std::vector<std::string>{"left_knee", "12"}));
+  expect_refusal(options("r", "knee"),
+                 AllOf(HasSubstr("is ringd running"), HasSubstr("; nodes of this ring that run here: left_knee, 12")));
+  // That one is known, and not the one that was meant by mistake.
+  expect_refusal(options("r", "left_foot"), testing::Not(HasSubstr("nodes of this ring")));
+}
+
 TEST_F(Connect, SaysThatNoRingIsRunning) { expect_refusal(options("", "3"), HasSubstr("no ring is running")); }
 
 TEST_F(Connect, AsksForANode) { expect_refusal(options("r", ""), HasSubstr("LIMB_RING_NODE")); }
