@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/event_kinds.h"
+#include "config/characters.h"
 #include "config/names.h"
 #include "runtime/request_fields.h"
 #include "wire/data_packet.h"
@@ -18,6 +19,15 @@ using Words = std::vector<std::string>;
 const Words kKinds{"data", "control", "interrupt"};  // by capture::Kind
 const Words kLines{"in", "out"};
 constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+
+const Words kMembers{"kinds", "packets", "promises"};
+const Words kOfPackets{"at", "kinds", "source", "destination", "priority", "channel", "sample", "limit_per_s"};
+
+void refuse_unknown(const json& from, const Words& allowed, const std::string& what) {
+  for (const auto& [member, value] : from.items())
+    if (std::find(allowed.begin(), allowed.end(), member) == allowed.end())
+      throw RequestError(what + ": '" + config::printable(member) + "' is unknown; there are " + config::join(allowed));
+}
 
 json list_in(const json& from, const char* field) {
   if (!from.contains(field)) return json::array();
@@ -54,6 +64,7 @@ std::bitset<256> nodes_of(const config::RingConfig& ring, const json& from, cons
 
 capture::Choice choice_of(const config::RingConfig& ring, const json& packets) {
   if (!packets.is_object()) throw RequestError("observe: packets is an object");
+  refuse_unknown(packets, kOfPackets, "observe: packets");
   capture::Choice choice;
   if (const auto at = words_in(packets, "at", kLines); !at.empty()) {
     choice.filter.input = at.count(0) != 0;
@@ -73,6 +84,7 @@ capture::Choice choice_of(const config::RingConfig& ring, const json& packets) {
 
 ObserveFilter read_observe_filter(const config::RingConfig& ring, const std::string& text) {
   const json order = object_in(text.empty() ? "{}" : text, "an observe filter is a JSON object");
+  refuse_unknown(order, kMembers, "observe");
   ObserveFilter read;
   const Words& events = client::event_kinds();
   for (const std::size_t kind : words_in(order, "kinds", events)) read.kinds.insert(events[kind]);

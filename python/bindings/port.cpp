@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bindings.h"
+#include "client/event_kinds.h"
 
 namespace limb_ring::python {
 namespace {
@@ -171,6 +172,8 @@ void close(Port& port) {
 }  // namespace
 
 void bind_port(py::module& module) {
+  module.attr("EVENT_KINDS") = py::tuple(py::cast(client::event_kinds()));
+
   const auto error = py::register_exception<HostPortError>(module, "HostPortError", PyExc_RuntimeError);
   const auto both = py::make_tuple(error, py::reinterpret_borrow<py::object>(PyExc_TimeoutError));
   py::register_exception<HostPortTimeout>(module, "HostPortTimeout", both.ptr());

@@ -6,12 +6,13 @@ import os
 import time
 
 from . import _client
-from ._client import (JOINT_CHANNEL, Disconnected, HostPortError, HostPortTimeout, Interrupt, JointCommand, JointState,
+from ._client import (EVENT_KINDS, JOINT_CHANNEL, Disconnected, HostPortError, HostPortTimeout, Interrupt, JointCommand, JointState,
                       Reply, Result, SensorReading)
 
 LATEST = 9e9        # s, of a time that the library can have
 MOST_KEPT = 65536   # as many as the library keeps for who does not receive() them
 
+_NOT_SAID = object()   # None is something that can be said
 _FORMATS = {1: JointState, 2: JointCommand, 3: SensorReading, 4: SensorReading}   # by a packet's first byte
 
 
@@ -183,14 +184,25 @@ class HostPort:
         """The same, in JSON."""
         return self._port.request(text)
 
-    def observe(self, *kinds, **more):
+    def observe(self, *kinds, packets=_NOT_SAID, promises=_NOT_SAID):
         """From now on these kinds of events come as Observed. `packets={...}`: packets on the lines as CapturedPacket;
-        `packets=None`: none any more."""
-        order = dict(more, kinds=kinds) if kinds or 'packets' not in more else more
+        `packets=None`: none any more. What the daemon refuses in it comes as an Observed with 'error'."""
+        for kind in kinds:
+            if kind not in EVENT_KINDS:
+                raise ValueError('observe: there is no kind of event %r; there are %s' % (kind, ', '.join(EVENT_KINDS)))
+        order = {} if packets is not _NOT_SAID and not kinds else {'kinds': kinds}
+        if packets is not _NOT_SAID:
+            if packets is not None and not isinstance(packets, dict):
+                raise TypeError("packets: a dict is needed, such as {'kinds': ['interrupt']}, or None, not %r" % (packets,))
+            order['packets'] = packets
+        if promises is not _NOT_SAID:
+            if not isinstance(promises, bool):
+                raise TypeError('promises: True or False is needed, not %r' % (promises,))
+            order['promises'] = promises
         self._port.observe(json.dumps(order))
 
     def observe_text(self, text):
-        """The same, in JSON."""
+        """The same, in JSON; all that is wrong in it comes as an Observed with 'error'."""
         self._port.observe(text)
 
     def alive(self):

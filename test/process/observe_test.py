@@ -112,6 +112,14 @@ class Packets(RingTest):
 
 
 class Orders(RingTest):
+    def test_what_is_unknown_in_an_order_is_refused_with_what_there_is(self):
+        self.start_ring(plain_nodes(2))
+        observer = self.port(1)
+        for order, error in (('{"kind": ["pin"]}', "observe: 'kind' is unknown; there are kinds, packets, promises"),
+                             ('{"packets": {"kind": []}}', "observe: packets: 'kind' is unknown; there are at, kinds")):
+            observer.observe_text(order)
+            self.assertIn(error, observer.next_of(Observed).content['error'])
+
     def test_an_order_that_cannot_be_followed_changes_nothing(self):
         self.start_ring(plain_nodes(2))
         os.mkdir(self.socket_of(1, 'watch'))   # where the file for the promises would be

@@ -103,7 +103,7 @@ class Tools(RingTest):
     def test_observer_with_a_wrong_filter_is_told(self):
         self.start_ring(plain_nodes(2))
         observer = self.port(0)
-        observer.observe('weather')
+        observer.observe_text('{"kinds": ["weather"]}')
         self.assertIn('weather', observer.next_of(Observed).content['error'])
 
     def test_status_holds_what_is_promised(self):

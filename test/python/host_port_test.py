@@ -97,8 +97,36 @@ def test_the_daemon_says_no_in_its_own_words(ring):
     with pytest.raises(HostPortError, match='has a CPU already'):
         ring.port('body', role='cpu', timeout=30)   # at once: waiting would not help
     assert cpu.connected
-    port.observe('weather')
+    port.observe_text('{"kinds": ["weather"]}')
     assert 'weather' in port.next_of(limb_ring.Observed).content['error']
+
+
+@needs_ring
+def test_what_cannot_be_observed_is_refused_at_once(ring):
+    port = ring.port('body')
+    assert 'pin' in limb_ring.EVENT_KINDS
+    for kind in 'weather', None, 5, '', ['pin']:
+        with pytest.raises(ValueError, match='there is no kind of event .*; there are state, ring, link, .*, sent'):
+            port.observe('pin', kind)
+    for packets in 5, 'data', [], True:
+        with pytest.raises(TypeError, match='packets: a dict is needed, .* or None, not'):
+            port.observe(packets=packets)
+    for promises in 1, None, 'yes':
+        with pytest.raises(TypeError, match='promises: True or False is needed, not'):
+            port.observe(promises=promises)
+    with pytest.raises(TypeError, match='kinds'):
+        port.observe(kinds=['pin'])   # which was taken for all kinds
+    port.ask({'do': 'latch'})
+    assert port.received(limb_ring.Observed) == []
+    port.observe(packets={'kind': ['data']})
+    assert "packets: 'kind' is unknown; there are at, kinds" in port.next_of(limb_ring.Observed).content['error']
+
+
+@needs_ring
+def test_a_node_that_is_not_there_is_answered_with_those_that_are(ring):
+    for node in 'kne', 7:
+        with pytest.raises(HostPortTimeout, match='nodes of this ring that run here: body, knee, spare'):
+            ring.port(node, timeout=0)
 
 
 @needs_ring
@@ -384,7 +412,7 @@ def test_messages_show_what_they_are(ring):
     assert repr(body.next_of(limb_ring.Interrupt)) == '<Interrupt INT3 from 1: notify>'
     token = knee.request({'do': 'latch'})
     assert repr(knee.next_of(limb_ring.Reply)).startswith('<Reply to token %d: {' % token)
-    knee.observe('weather')
+    knee.observe_text('{"kinds": ["weather"]}')
     assert repr(knee.next_of(limb_ring.Observed)).startswith('<Observed {"error"')
     ring.ctl('down')
     end = knee.next_of(limb_ring.Disconnected)
