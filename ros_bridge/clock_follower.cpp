@@ -1,6 +1,9 @@
 #include "ros_bridge/clock_follower.h"
 
+#include <iomanip>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
 
 namespace limb_ring::bridge {
 namespace {
@@ -11,8 +14,30 @@ using nlohmann::json;
 constexpr auto kFollowConnect = 1s;
 constexpr auto kFollowAnswer = 10s;
 constexpr auto kFollowRetry = 200ms;
-constexpr auto kTellThatItWaits = 5s;  // of the machine's clock, each time
-constexpr double kNsPerSecond = 1e9;   // ns
+constexpr auto kTellThatItWaits = 5s;                           // of the machine's clock, each time
+constexpr double kNsPerSecond = 1e9;                            // ns
+constexpr std::int64_t kLongestNs = 1'000'000'000'000'000'000;  // as far as the daemon lets a clock go
+constexpr std::int64_t kWorthTellingNs = 1'000'000'000;
+
+/// @throw std::runtime_error where `/clock` is further from the ring's 0 than the ring's clock goes. What it says is
+/// the same for each such time, so that it is told once.
+void refuse_too_far(std::int64_t time_ns, std::int64_t zero_ns) {
+  if (time_ns - zero_ns <= kLongestNs) return;
+  std::ostringstream text;
+  text << std::fixed << "it has jumped more than " << std::setprecision(0)
+       << static_cast<double>(kLongestNs) / kNsPerSecond << " s beyond " << std::setprecision(6)
+       << static_cast<double>(zero_ns) / kNsPerSecond << " s, the ring's 0, and a ring's clock goes no further";
+  throw std::runtime_error(text.str());
+}
+
+/// After a jump back. Time that was allowed before it is still to come, and stamps are counted back from its end.
+void tell_how_far_behind(std::int64_t behind_ns) {
+  if (behind_ns < kWorthTellingNs) return;
+  ROS_WARN(
+      "the ring is still %.3f s behind where /clock was before its jump: until it has caught up, its stamps are as "
+      "much before /clock, and 0 where that would be before 0",
+      static_cast<double>(behind_ns) / kNsPerSecond);
+}
 
 }  // namespace
 
@@ -97,9 +122,10 @@ void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
   const bool begins = !zero_ns_, jumped_back = zero_ns_ && time_ns < last_ns_;
   const std::int64_t reached_ns = begins ? 0 : last_ns_ - *zero_ns_;
   const std::int64_t zero_ns = begins || jumped_back ? time_ns - reached_ns : *zero_ns_;
+  refuse_too_far(time_ns, zero_ns);
   clock_.set_outer_zero(zero_ns);
   const json allow{{"do", "allow"}, {"until_ns", time_ns - zero_ns}, {"outer_zero_ns", zero_ns}};
-  port.ask(allow.dump(), kFollowAnswer);
+  const json state = json::parse(port.ask(allow.dump(), kFollowAnswer));
   if (begins)
     ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s there", static_cast<double>(time_ns) / kNsPerSecond);
   if (jumped_back)
@@ -108,6 +134,7 @@ void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
         "its stamps follow /clock",
         static_cast<double>(last_ns_) / kNsPerSecond, static_cast<double>(time_ns) / kNsPerSecond,
         static_cast<double>(reached_ns) / kNsPerSecond);
+  if (jumped_back) tell_how_far_behind(reached_ns - state.value("now_ns", reached_ns));
   zero_ns_ = zero_ns;
   last_ns_ = time_ns;
 }
