@@ -36,8 +36,9 @@ class RingView {
         markers_(nodes.advertise<visualization_msgs::MarkerArray>("ring_markers", 1, /*latch=*/true)),
         held_(nodes.advertise<sensor_msgs::JointState>("held_joint_states", 1)) {
     if (!limbs_.root().empty()) place_robot();
-    status_in_ = nodes.subscribe("ring_status", 1, &RingView::show, this);
-    states_in_ = nodes.subscribe("joint_states", 1, &RingView::take_joints, this);
+    const auto at_once = ros::TransportHints().tcpNoDelay();  // else roscpp waits to fill a TCP segment
+    status_in_ = nodes.subscribe("ring_status", 1, &RingView::show, this, at_once);
+    states_in_ = nodes.subscribe("joint_states", 1, &RingView::take_joints, this, at_once);
     timer_ =
         nodes.createWallTimer(kFrame, [this](const ros::WallTimerEvent&) { held_.publish(joints_.all(now_for_tf())); });
   }

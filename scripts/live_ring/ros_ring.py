@@ -100,7 +100,7 @@ class RosRing:
         self._status, self._state, self._states, self._commands = None, None, 0, 0
         rospy.init_node('demo', disable_signals=True)
         self._subscribers = [
-            rospy.Subscriber('ring_status', RingStatus, self._on_status),
+            rospy.Subscriber('ring_status', RingStatus, self._on_status, tcp_nodelay=True),
             rospy.Subscriber('joint_states', JointState, self._on_state, tcp_nodelay=True),
             rospy.Subscriber('joint_commands', JointState, self._on_command, tcp_nodelay=True)]
 

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """What RViz is given: markers of ring and limbs, and the robot's joints, also those that are silent."""
+import socket
 import unittest
 
 import rospy
 import rostest
+from limb_ring.msg import RingStatus
 from limb_ring.srv import ClearFaults, InjectFault
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
@@ -43,6 +45,17 @@ class View(unittest.TestCase):
                   'head_imu': 'neck_yaw_link', 'left_foot_force': 'l_ankle_roll_link'}
         wait_for(lambda: wanted.items() <= parents.items(), 'the frames that stay where they are')
         fixed.unregister()
+
+    def test_what_it_shows_is_sent_to_it_at_once(self):
+        for topic, kind in (('ring_status', RingStatus), ('joint_states', JointState)):
+            publisher = rospy.Publisher(topic, kind, queue_size=1)   # it sends nothing
+
+            def no_delay():
+                return [link.socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+                        for link in publisher.impl.connections if 'ring_view' in link.endpoint_id]
+            self.assertEqual(len(wait_for(no_delay, 'ring_view to listen to ' + topic)), 1)
+            wait_for(lambda: all(no_delay()), 'no wait for a full segment')
+            publisher.unregister()
 
     def test_a_hung_limb_is_marked_where_it_is_and_keeps_its_pose(self):
         transforms, held = Newest('/tf', TFMessage), Newest('held_joint_states', JointState)
