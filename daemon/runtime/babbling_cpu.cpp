@@ -14,7 +14,7 @@ void BabblingCpu::start(std::chrono::nanoseconds period) {
   stop();
   period_ = period;
   on_ = true;
-  ++run_;
+  first_token_ = next_token_;
   sent_ = 0;
   // One goes onto the ring, the others fill the queue, and the last is rejected: the queue is full from the start.
   const unsigned at_once = period.count() == 0 ? driver_.controller().settings().send_queue + 2 : 1;
@@ -31,10 +31,10 @@ void BabblingCpu::stop() {
 }
 
 void BabblingCpu::send() {
-  wire::store_u32(data_.data(), static_cast<std::uint32_t>(asked_++));  // no two alike
-  core::SendRequest request;                                            // of the highest priority, to all
+  wire::store_u32(data_.data(), next_token_);  // no two alike
+  core::SendRequest request;                   // of the highest priority, to all
   request.owner = kBabblingOwner;
-  request.token = run_;
+  request.token = next_token_++;
   request.destination = wire::kBroadcast;
   request.data = {data_.data(), data_.size()};
   driver_.controller().send(request, driver_.now());
@@ -47,7 +47,7 @@ void BabblingCpu::send_next() {
 }
 
 void BabblingCpu::on_ended(const core::SendEnded& ended) {
-  if (!on_ || ended.token != run_) return;
+  if (!on_ || ended.token - first_token_ >= next_token_ - first_token_) return;  // of an earlier run
   ++sent_;
   const auto pause = pause_after(ended.outcome, period_);
   if (pause.count() > 0) return next_->expires_at(driver_.clock().now() + pause);

@@ -50,6 +50,21 @@ class Watching(WatchingTest):
         self.assertIn('every promise was kept', said)
         self.assertIn('200 sends', said)
 
+    def test_finds_nothing_where_a_cpu_babbles_since_before_it_looks(self):
+        self.start_ring(plain_nodes(3))
+        self.assertEqual(self.ctl('fault', 'babble', 'node1').returncode, 0)
+        hits = self.babbled_at(1)
+        watch = self.watch()
+        self.wait('all watched', lambda: all(self.is_watched(node) for node in range(3)))
+        self.wait('a thousand packets more', lambda: self.babbled_at(1) > hits + 1000)
+        self.assertEqual(self.ctl('fault', 'clear').returncode, 0)
+        self.send_delivered(1, 2)
+        self.assertIn('every promise was kept', self.end(watch))
+
+    def babbled_at(self, node):
+        fault, = self.row(node)['faults']
+        return fault['hits']
+
     def test_ends_by_itself_and_costs_nothing_afterwards(self):
         self.start_ring(plain_nodes(2))
         done = self.ctl('watch', self.ring, '--for', 0.3, '--json')
