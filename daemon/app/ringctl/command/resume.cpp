@@ -70,17 +70,27 @@ void print_json(const std::vector<ask::Resumed>& all) {
   std::cout << nlohmann::json{{"nodes", list}}.dump(2) << '\n';
 }
 
-void print_text(const std::vector<ask::Resumed>& all) {
+/// What else ends the stop at a node that no other one reaches: the first of an open chain.
+std::string way_out(const ask::Resumed& one) {
+  if (one.result.outcome != Outcome::unconfirmed || one.result.why != Reason::out_of_reach) return "";
+  return "; mend the line, or let its daemon restart its CPU: 'ringctl fault reset " + one.node.name + "'";
+}
+
+void print_text(const std::vector<ask::Resumed>& all, bool from_is_free) {
   std::size_t done = 0;
   for (const ask::Resumed& one : all) {
     if (one.is_latched && one.result.outcome == Outcome::delivered)
       std::cout << ask::sentence_of_latched(one.node) << '\n';
     else if (!one.done())
-      std::cout << one.node.name << ": the resume " << ended_text(one.result) << '\n';
+      std::cout << one.node.name << ": the resume " << ended_text(one.result) << (from_is_free ? way_out(one) : "")
+                << '\n';
     else
       ++done;
   }
-  if (done != all.size()) return;
+  if (done != all.size()) {
+    if (done != 0) std::cout << "resumed " << done << " of " << all.size() << " nodes\n";
+    return;
+  }
   std::cout << "resumed " << (done == 1 ? all[0].node.name : std::to_string(done) + " nodes") << '\n';
 }
 
@@ -99,7 +109,7 @@ int run(const Context& context, const ResumeOptions& options) {
   if (options.json)
     print_json(all);
   else
-    print_text(all);
+    print_text(all, options.from.empty());
   return code_of(all);
 }
 
