@@ -37,6 +37,10 @@ std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
   if (std::any_of(rows.begin(), rows.end(), is_folded))
     return "; the ring has folded: if it is in two parts, a node of the target's part has to ask (--from)";
   const auto before = line->value("before", std::uint8_t{0}), behind = line->value("behind", std::uint8_t{0});
+  if (behind == query.target)
+    return "; nothing reaches the first node of an open chain: mend the line, or let its daemon restart its CPU: "
+           "'ringctl fault reset " +
+           name_of(query.nodes, behind) + "'";
   return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) +
          " hears all others";
 }

@@ -51,6 +51,15 @@ TEST(ResetSeen, NotByAnOldBeaconNorBySameBoots) {
   }
 }
 
+TEST(ResetSeen, NotAtTheFirstOfAnOpenChainAndThenWhatElseResetsIt) {
+  ResetQuery first = query();
+  first.target = 0;
+  const Rows rows{{13, heard_by(13, 1, 20)}};
+  EXPECT_THAT(judged(kUnknown, first, rows, rows)["message"].get<std::string>(),
+              AllOf(HasSubstr("nothing reaches the first node of an open chain"),
+                    HasSubstr("'ringctl fault reset body'"), Not(HasSubstr("reaches all others"))));
+}
+
 TEST(Reset, OfANodeWithoutCpuIsKnownByItsRowOrItsBeacon) {
   const auto own = [](const char* state) { return json{{"id", 12}, {"cpu", {{"state", state}}}}; };
   json heard = heard_by(13, 1, 20);

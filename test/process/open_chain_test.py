@@ -48,6 +48,13 @@ class OpenChain(LimbRing):
         self.assertIn('not reached', reset['message'])
         self.assertIn('node2 reaches all others', reset['message'])
 
+    def test_a_reset_of_the_first_of_the_chain_says_what_else_does_it(self):
+        reset = self.ctl_json('reset', 'node2', code=1)
+        self.assertIn("'ringctl fault reset node2'", reset['message'])
+        boots = self.row(2)['cpu']['boots']
+        self.assertEqual(self.ctl('fault', 'reset', 'node2').returncode, 0)
+        self.wait('one boot more', lambda: self.row(2)['cpu']['boots'] == boots + 1)
+
     def test_a_reset_from_anywhere_is_sent_from_where_it_arrives(self):
         self.assertTrue(self.ctl_json('reset', 'node3', '--timeout', 30)['success'])
 
