@@ -30,17 +30,42 @@ std::string in_words(const Nodes& nodes) {
   return ask::ring_in_words(all, broken_line(nodes));
 }
 
+bool all_up(const Nodes& nodes) {
+  return std::all_of(nodes.begin(), nodes.end(), [](const NodeStatus& node) { return node.state == "up"; });
+}
+
+/// Empty where none is stopped.
+std::string stopped_in_words(const Nodes& nodes) {
+  const auto stopped = std::count_if(nodes.begin(), nodes.end(), [](const NodeStatus& node) { return node.stopped; });
+  return stopped == 0 ? "" : std::to_string(stopped) + " stopped until `resume`";
+}
+
+/// "CPU of left_knee silent"; empty where none has failed.
+std::string failed_cpus(const Nodes& nodes) {
+  std::string text;
+  for (const NodeStatus& node : nodes)
+    if (node.state != "down" && (node.cpu_state == "silent" || node.cpu_state == "failed"))
+      text += (text.empty() ? "CPU of " : ", CPU of ") + node.name + ' ' + node.cpu_state;
+  return text;
+}
+
 }  // namespace
 
 void tell_ring(const RingStatus& ring, diagnostic_updater::DiagnosticStatusWrapper& out) {
-  const Nodes& nodes = ring.nodes;
-  const bool well = std::all_of(nodes.begin(), nodes.end(), [](const NodeStatus& node) { return node.state == "up"; });
   if (ring.connected)
-    out.summary(well ? Level::OK : Level::WARN, in_words(nodes));
+    out.summary(all_up(ring.nodes) ? Level::OK : Level::WARN, in_words(ring.nodes));
   else
     out.summary(Level::ERROR, ring.message);
-  const auto stopped = std::count_if(nodes.begin(), nodes.end(), [](const NodeStatus& node) { return node.stopped; });
-  if (stopped > 0) out.mergeSummary(Level::WARN, std::to_string(stopped) + " stopped until `resume`");
+  if (const std::string stopped = stopped_in_words(ring.nodes); !stopped.empty())
+    out.mergeSummary(Level::WARN, stopped);
+}
+
+std::string what_is_wrong(const std::vector<NodeStatus>& nodes) {
+  std::string text;
+  for (const std::string& part :
+       {all_up(nodes) ? std::string() : in_words(nodes), failed_cpus(nodes), stopped_in_words(nodes)})
+    if (!part.empty()) text += (text.empty() ? "" : "; ") + part;
+  return text;
 }
 
 }  // namespace limb_ring::bridge

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "ros_bridge/ring_health.h"
+
 namespace limb_ring::bridge {
 namespace {
 
@@ -84,6 +86,7 @@ void StatusOut::publish() {
                                 [this](const auto& node) { return node.name == own_node_; });
   if (own != status.nodes.end()) status.ring_size = own->ring_size;
   status.stopped = std::any_of(status.nodes.begin(), status.nodes.end(), [](const auto& node) { return node.stopped; });
+  if (status.connected) status.message = what_is_wrong(status.nodes);
   for (const auto node : watch_.take_restarted()) on_boot_(node);
   publisher_.publish(status);
   tell_stopped(status);

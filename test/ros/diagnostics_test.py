@@ -97,6 +97,7 @@ class Diagnostics(unittest.TestCase):
         fault = service('inject_fault', InjectFault)(fault='hang left_knee')
         self.assertTrue(fault.success, fault.message)
         self.wait_for_all(('left_knee', [ERROR], 'its CPU hangs'), ('line left_hip_yaw -> left_knee', [OK], ''))
+        self.ring.status.wait(lambda status: status.message == 'CPU of left_knee silent', 'a sentence about it')
         self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
         self.wait_until_well()
 
@@ -105,11 +106,14 @@ class Diagnostics(unittest.TestCase):
         self.assertTrue(fault.success, fault.message)
         self.wait_for('line left_hip -> left_hip_yaw', ERROR, 'broken')
         self.wait_for('head', WARN, 'open_chain')
-        self.wait_for('ring', WARN, '16 of 16 nodes work, open chain: line left_hip -> left_hip_yaw broken')
+        words = '16 of 16 nodes work, open chain: line left_hip -> left_hip_yaw broken'
+        self.wait_for('ring', WARN, words)
+        self.ring.status.wait(lambda status: status.message == words, 'the same in ring_status')
         self.from_now_on()
         self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
         self.wait_for('line left_hip -> left_hip_yaw', WARN, 'lately')
         self.wait_until_well()
+        self.ring.status.wait(lambda status: status.message == '', 'nothing to be wrong')
 
     def test_a_node_that_went_is_an_error_and_one_that_came_back_a_warning(self):
         kill_process(self.ring.node('right_elbow').pid)

@@ -113,6 +113,16 @@ TEST_F(Health, OfTheRingWarnsOfANodeThatIsDownAndOfAStop) {
   EXPECT_EQ(of_ring().level, Level::ERROR);
 }
 
+TEST_F(Health, OfTheRingIsSaidForPeopleWhereSomethingIsWrong) {
+  EXPECT_EQ(what_is_wrong(status.nodes), "");
+  hip().cpu_state = "silent";
+  EXPECT_EQ(what_is_wrong(status.nodes), "CPU of hip silent");
+  hip().stopped = true;
+  EXPECT_EQ(what_is_wrong(status.nodes), "CPU of hip silent; 1 stopped until `resume`");
+  knee() = unheard();
+  EXPECT_EQ(what_is_wrong(status.nodes), "2 of 3 nodes up; CPU of hip silent; 1 stopped until `resume`");
+}
+
 TEST_F(Health, IsStaleForANodeNobodyHasHeardAndAnErrorForOneThatWent) {
   const NodeStatus well = knee();
   knee() = unheard();
