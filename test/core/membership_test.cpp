@@ -165,7 +165,6 @@ TEST_F(Membership16, BeaconsComeEveryPeriodAndStopWithTheirNode) {
   EXPECT_LE(ring.now() - m.peers()[6_id].heard_at, 101ms);
 }
 
-// So that a quiet ring wakes each node once for all of them.
 TEST_F(Membership16, BeaconsOfNodesThatStartedAtDifferentTimesGoRoundTogether) {
   ASSERT_TRUE(ring.join());
   for (const NodeId late : {5_id, 9_id, 12_id}) {
@@ -181,6 +180,29 @@ TEST_F(Membership16, BeaconsOfNodesThatStartedAtDifferentTimesGoRoundTogether) {
     last = std::max(last, peers[static_cast<NodeId>(id)].heard_at);
   }
   EXPECT_LE(last - first, 1ms);
+}
+
+// So that a quiet ring wakes each node twice for all of them: no timer but the first node's ends.
+TEST_F(Membership16, TheFirstNodesBeaconTakesAllOthersAlong) {
+  std::vector<NodeId> began;  // in this order
+  for (const NodeId id : ring.order())
+    ring.tap(id, [&began, id](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+      if (wire::PacketFields{slice.bytes}.source() == id) began.push_back(id);
+      arriving.put(slice.kind, slice.bytes);
+    });
+  const auto begin_in = [&](Duration period) {
+    began.clear();
+    ring.run_for(period);
+    return began;
+  };
+  ASSERT_TRUE(ring.join());
+  ring.run_for(1050ms);
+  std::vector<NodeId> all = ring.order();
+  EXPECT_EQ(begin_in(100ms), all);
+  ring.kill(0_id);
+  ring.run_for(1050ms);
+  all.erase(all.begin());
+  EXPECT_EQ(begin_in(100ms + Duration(100ms) / 64), all);
 }
 
 TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {

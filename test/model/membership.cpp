@@ -223,7 +223,8 @@ void Node::heard(const Packet& packet, const std::optional<wire::Hello>& hello,
   heard_break(source, *beacon, at);
   look_for_folds(at);
   // They go round together. (protocol.md section 8.2)
-  if (!beacon_out_ && !hello_out_ && beacon_at_ != kNever && beacon_at_ - at <= settings_.beacon / 2) want_beacon();
+  const Duration soon = settings_.beacon / 2 + beacon_takes_longer();
+  if (!beacon_out_ && !hello_out_ && beacon_at_ != kNever && beacon_at_ - at <= soon) want_beacon();
   beacons(at);
 }
 
@@ -309,12 +310,18 @@ bool Node::may_say_beacon() const {
   return closed() || (state_ == NodeState::open_chain && hello_left_);
 }
 
+/// Than the first node's.
+Duration Node::beacon_takes_longer() const {
+  const int behind_first = static_cast<int>(distance(settings_.order.front(), id()));
+  return settings_.beacon * behind_first / (4 * static_cast<int>(count_nodes()));
+}
+
 /// Says one if it is due.
 void Node::beacons(Time now) {
   if (!may_say_beacon() || !(beacon_wanted_ || beacon_at_ <= now)) return;
   beacon_wanted_ = false;
   beacon_out_ = true;
-  beacon_at_ = now + settings_.beacon;
+  beacon_at_ = now + settings_.beacon + beacon_takes_longer();
   Send send;
   send.destination = kAll;
   send.last = 1 << 2;

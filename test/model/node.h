@@ -283,6 +283,7 @@ class Node : private BehindFold {
   Time membership_deadline() const;
   void want_beacon() { beacon_wanted_ = true; }
   bool may_say_beacon() const;
+  Duration beacon_takes_longer() const;
   void beacons(Time now);
   wire::Beacon beacon_now(Time now) const;
   void new_hello_when_due(Time now);

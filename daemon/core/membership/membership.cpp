@@ -347,15 +347,23 @@ void Membership::beacon_changed(Time now) {
     send_beacon(now);
 }
 
-// Sends the own beacon with that of another node if it is due soon: then a quiet ring wakes each node once for all
-// beacons. (ours, protocol.md section 8.2)
+// The further behind a node is in the order, the longer its beacons take: so the first one leads, and its beacon is
+// there before the timer of any other node ends. (ours, protocol.md section 8.2)
+Duration Membership::beacon_takes_longer() const {
+  const auto place = static_cast<int>(place_of(settings_.order, settings_.id));
+  return settings_.beacon * place / (4 * static_cast<int>(settings_.nodes()));
+}
+
+// Sends the own beacon with that of another node if it is due soon: then all beacons of a quiet ring go round together.
+// (ours, protocol.md section 8.2)
 void Membership::send_beacon_along(Time now) {
-  if (!beacon_.out && beacon_.due <= now + settings_.beacon / 2) send_beacon(now);
+  const Duration soon = settings_.beacon / 2 + beacon_takes_longer();
+  if (!beacon_.out && beacon_.due <= now + soon) send_beacon(now);
 }
 
 void Membership::send_beacon(Time now) {
   beacon_.wanted = false;
-  beacon_.due = now + settings_.beacon;
+  beacon_.due = now + settings_.beacon + beacon_takes_longer();
   if (hello_under_way() || !accepts_sends()) return;
   beacon_.out = true;
   std::array<std::uint8_t, wire::kLongBeaconSize> bytes;
@@ -370,7 +378,7 @@ void Membership::act_on_time(Time now) {
   if (drained_at_ <= now) on(Input::drained, now);
   if (hello_due_ <= now) hello_lost(now);
   if (beacon_.due <= now) {
-    beacon_.due = now + settings_.beacon;
+    beacon_.due = now + settings_.beacon + beacon_takes_longer();
     beacon_changed(now);
     look_for_folds(now);
   }

@@ -185,6 +185,7 @@ class Membership {
   bool heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
   void own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now);
 
+  Duration beacon_takes_longer() const;
   void send_beacon_along(Time now);
   void send_beacon(Time now);
   wire::Beacon beacon(Time now) const;
