@@ -41,6 +41,8 @@ class PacketLoop final : public boost::asio::execution_context::service {
   /// Calls `call` at the end of this turn, when all that is ready has been read, so that what a turn leads to is
   /// written together.
   void at_turn_end(std::function<void()> call);
+  /// Packets pass: the process is awake now, and will be again in a moment.
+  bool packets_pass() const { return hot_; }
 
  private:
   friend class Watch;

@@ -195,11 +195,11 @@ void Engine::write_lines() {
   }
 }
 
-// Setting the timer later for every packet costs more than letting it fire too early; but a quiet node that wakes for
-// nothing costs more than setting it.
+// Setting the timer later for every packet that passes costs more than letting it fire too early; but a quiet node that
+// wakes for nothing costs more than setting it.
 void Engine::arm_timer() {
-  const bool too_early = deadline_ > armed_for_ && deadline_ != core::kNever && at_ >= may_put_off_at_;
-  if (deadline_ >= armed_for_ && !too_early) return;
+  const bool may_put_off = deadline_ != core::kNever && (at_ >= may_put_off_at_ || !loop_.packets_pass());
+  if (deadline_ == armed_for_ || (deadline_ > armed_for_ && !may_put_off)) return;
   armed_for_ = deadline_;
   may_put_off_at_ = at_ + kPutOffEvery;
   timer_.expires_at(clock_.steady(deadline_));
