@@ -155,8 +155,9 @@ std::string Node::in_words() const {
        << (in_.lost_since_home ? ", input was lost" : "") << (out_.lost_since_home ? ", output was lost" : "")
        << (in_.up ? "" : ", input down") << (out_.up ? "" : ", output down") << (hello_out_ ? ", hello out" : "")
        << (beacon_out_ ? ", beacon out" : "") << (new_hello_wanted_ ? ", new hello wanted" : "") << ", beacon at "
-       << ps(beacon_at_) << ", break at " << ps(break_at_) << ", drained at " << ps(drained_at_) << "; relayed waiting "
-       << relayed_.size() << " + " << relayed_interrupts_.size() << (outgoing_ ? ", one going out" : "");
+       << ps(beacon_at_) << ", hello said at " << ps(hello_said_) << ", again at " << ps(hello_due_) << ", break at "
+       << ps(break_at_) << ", drained at " << ps(drained_at_) << "; relayed waiting " << relayed_.size() << " + "
+       << relayed_interrupts_.size() << (outgoing_ ? ", one going out" : "");
   for (const Unit* unit : {&data_, &interrupts_}) {
     text << "; " << (unit->interrupt ? "INTPs" : "DATPs") << " free since " << ps(unit->free_since);
     if (unit->flight)

@@ -22,7 +22,10 @@ void Node::drop_output(Time now) {
 }
 
 void Node::step(Time now) {
+  const bool waited_for_hello = !hello_left_;
   while (step_once(now)) {
+    // On a line without a rate the hello has left as a whole; what it held up comes with the next run of this instant.
+    if (waited_for_hello && hello_left_ && !outgoing_) return;
   }
 }
 
@@ -79,6 +82,9 @@ Node::Next Node::next_step(Time now) const {
   Next intp = next_interrupt(free);
   const Next datp = outgoing_ ? next_end(free) : next_datp(free);
   if (outgoing_) intp.at = settings_.embed_interrupts ? embedded_at(intp.at, datp) : kNever;
+  // On a line without a rate it leaves as a whole, also where its leaving allows an INTP, as into an open chain.
+  if (outgoing_ && outgoing_->complete() && outgoing_->header_left == now && settings_.byte_time_out == Duration{0})
+    return datp;
   return intp.at != kNever && intp.at <= datp.at ? intp : datp;
 }
 

@@ -51,6 +51,7 @@ void Node::receive(const Given& slice, Time now) {
     default:
       return;
   }
+  new_hello_when_due(now);                                // what has come may have ended what was out
   if (settings_.byte_time_out == Duration{0}) step(now);  // protocol.md section 2.4
 }
 
