@@ -270,13 +270,14 @@ void InputChecker::comes_home(NodeId node, const PacketFields& packet, Time at_e
 // most. A DATP on the line counts in full until its end is through. (protocol.md section 2.5)
 void InputChecker::check_insertion(NodeId node, Time now) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
-  const NodeRecord& n = record_.at(node);
-  if (now < record_.settled_from || !record_.ring.has_output(node) ||
-      n.settings.byte_time_out > n.settings.byte_time_in)
+  NodeRecord& n = record_.at(node);
+  if (!record_.ring.has_output(node)) n.dropped_until = now;
+  if (now < record_.settled_from || n.dropped_until == now || n.settings.byte_time_out > n.settings.byte_time_in)
     return;
   if (n.forwarding.bytes() <= kNormal || lines_differ(n.settings)) return;
-  // What came in more than a worst lap ago and has not left was dropped.
-  const std::size_t bytes = n.forwarding.bytes_since(now - n.settings.worst_lap());
+  // What came in more than a worst lap ago and has not left was dropped, as is what comes where there is no output.
+  const Time since = std::max(now - n.settings.worst_lap(), n.dropped_until + core::Duration{1});
+  const std::size_t bytes = n.forwarding.bytes_since(since);
   if (bytes > kNormal)
     record_.complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) +
                                                    ", " + std::to_string(kNormal) + " may");

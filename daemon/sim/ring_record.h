@@ -38,7 +38,8 @@ struct NodeRecord {
     a("hello_begun", hello_begun)("hello_left", hello_left)("hello_out", hello_out)("control", control)("damaged_at",
                                                                                                         damaged_at);
     a("interrupt_free", interrupt_free)("away_since", away_since);
-    a("input_changed_at", input_changed_at)("output_lost_at", output_lost_at)("lines_crossed_at", lines_crossed_at);
+    a("input_changed_at", input_changed_at)("dropped_until", dropped_until)("output_lost_at", output_lost_at)(
+        "lines_crossed_at", lines_crossed_at);
   }
 
   /// Its hello has begun to leave since it began: in an open chain it has joined by that. (protocol.md section 4.8)
@@ -61,8 +62,9 @@ struct NodeRecord {
   Time interrupt_free{};                ///< its last own INTP ended
   std::optional<Time> away_since;       ///< killed or frozen
   Time input_changed_at{};
-  Time output_lost_at = core::kNever;    ///< or replaced
-  Time lines_crossed_at = core::kNever;  ///< its input changed in the instant of that, but later
+  Time dropped_until{core::Duration{-1}};  ///< it had no output when it last had that
+  Time output_lost_at = core::kNever;      ///< or replaced
+  Time lines_crossed_at = core::kNever;    ///< its input changed in the instant of that, but later
 };
 
 /// What has been seen of a virtual ring, from outside: shared by the checkers of what leaves nodes, of what comes into

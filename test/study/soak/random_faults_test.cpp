@@ -147,6 +147,9 @@ TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesAnInterruptOffTheLine) {
 // Another: a node learned of a break, and lost its output, while the end of its packet was not out yet.
 TEST(RandomFaults, BreakNoPromiseWhereAPacketEndsUnconfirmedBeforeItsEndIsOut) { expect_no_breach({3822001831}); }
 
+// Another: packets came to a node that folds before its output was there, and were counted as waiting in it.
+TEST(RandomFaults, BreakNoPromiseWherePacketsComeBeforeTheOutputIsThere) { expect_no_breach({3827004283}); }
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
