@@ -111,8 +111,8 @@ std::optional<UnixSocket> open_socket(const Target& target, std::string& problem
 std::string who_is_there(const Target& target, const ConnectOptions& options) {
   struct stat status {};
   if (lstat(target.path.c_str(), &status) == 0) return "";
-  const std::vector<std::string> nodes = running_nodes(target.ring, options.runtime);
-  return nodes.empty() ? "" : "; nodes of this ring that run here: " + joined(nodes);
+  const std::vector<std::string> nodes = nodes_here(target.ring, options.runtime);
+  return nodes.empty() ? "" : "; nodes of this ring here: " + joined(nodes);
 }
 
 /// A daemon that comes late has as long to answer as one that was there from the start.

@@ -113,16 +113,17 @@ std::vector<std::string> running_rings(const std::string& runtime) {
   return rings;
 }
 
-std::vector<std::string> running_nodes(const std::string& ring, const std::string& runtime) {
+std::vector<std::string> nodes_here(const std::string& ring, const std::string& runtime) {
   std::vector<std::string> ids;
   std::map<std::string, std::string> names;  // by id
   std::error_code error;
   for (fs::directory_iterator it(ring_directory(ring, runtime), error), end; !error && it != end; it.increment(error)) {
     std::error_code gone;
-    if (daemon_answers(*it))
-      ids.push_back(it->path().stem().string());
-    else if (it->path().extension() == ".host" && it->is_symlink(gone))
+    if (it->path().extension() != ".host") continue;
+    if (it->is_symlink(gone))
       names[fs::read_symlink(it->path(), gone).stem().string()] = it->path().stem().string();
+    else
+      ids.push_back(it->path().stem().string());
   }
   std::sort(ids.begin(), ids.end(), [](const std::string& a, const std::string& b) {
     return std::make_pair(a.size(), a) < std::make_pair(b.size(), b);

@@ -40,10 +40,10 @@ std::string make_ring_directory(const std::string& ring);
 /// Rings with at least one daemon that answers, by name, sorted.
 std::vector<std::string> running_rings(const std::string& runtime = {});
 
-/// Nodes of a ring whose daemons run here and answer: by name, or by id where a node has none; in the order of their
-/// ids.
+/// Nodes of a ring that have run here: by name, or by id where a node has none; in the order of their ids. No daemon is
+/// asked whether it still runs: one that is frozen would let all others wait.
 /// @throw std::invalid_argument where that is no name of a ring
-std::vector<std::string> running_nodes(const std::string& ring, const std::string& runtime = {});
+std::vector<std::string> nodes_here(const std::string& ring, const std::string& runtime = {});
 
 /// Path of a node's socket: `DIRECTORY/NODE.host` and the like; NODE is an id or a name (ringd
 /// links the name to the id).

@@ -39,14 +39,14 @@ TEST_F(Connect, SaysWhereItLookedWhenNoDaemonIsThere) {
                  AllOf(HasSubstr(folder.path() + "/limb_ring/r/3.host"), HasSubstr("is ringd running")));
 }
 
-TEST_F(Connect, NamesTheNodesThatRunWhereItWasAskedForAnother) {
+TEST_F(Connect, NamesTheNodesThatAreHereWhereItWasAskedForAnother) {
   test::FakeDaemon twelfth("r", "12"), third;
   const std::string in_ring = folder.path() + "/limb_ring/r/";
   ASSERT_EQ(symlink("3.host", (in_ring + "left_knee.host").c_str()), 0);
   ASSERT_EQ(symlink("4.host", (in_ring + "left_foot.host").c_str()), 0);
-  EXPECT_EQ(running_nodes("r"), (std::vector<std::string>{"left_knee", "12"}));
+  EXPECT_EQ(nodes_here("r"), (std::vector<std::string>{"left_knee", "12"}));
   expect_refusal(options("r", "knee"),
-                 AllOf(HasSubstr("is ringd running"), HasSubstr("; nodes of this ring that run here: left_knee, 12")));
+                 AllOf(HasSubstr("is ringd running"), HasSubstr("; nodes of this ring here: left_knee, 12")));
   // That one is known, and not the one that was meant by mistake.
   expect_refusal(options("r", "left_foot"), testing::Not(HasSubstr("nodes of this ring")));
 }

@@ -125,7 +125,7 @@ def test_what_cannot_be_observed_is_refused_at_once(ring):
 @needs_ring
 def test_a_node_that_is_not_there_is_answered_with_those_that_are(ring):
     for node in 'kne', 7:
-        with pytest.raises(HostPortTimeout, match='nodes of this ring that run here: body, knee, spare'):
+        with pytest.raises(HostPortTimeout, match='nodes of this ring here: body, knee, spare'):
             ring.port(node, timeout=0)
 
 
