@@ -116,7 +116,7 @@ void ReceiverModel::doubt(const PacketFields& packet) {
 // Nothing: it is none.
 std::optional<ReceiverModel::Answer> ReceiverModel::of_unaware_peers_retry(const PacketFields& packet, Time at) {
   // Where the ring folds back, the hello may have gone round in one of two parts alone.
-  const Duration tries = fold_back_ ? wire::kTries * horizon_ : Duration{0};
+  const core::Duration tries = fold_back_ ? wire::kTries * horizon_ : core::Duration{0};
   const auto known_to_all = [&](Time announced) { return announced != core::kNever && at - announced >= tries; };
   if (packet.code().attempt == 0 || known_to_all(announced_)) return std::nullopt;
   if (!known_to_all(perhaps_announced_)) return Answer::none;

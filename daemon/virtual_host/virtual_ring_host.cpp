@@ -1,5 +1,7 @@
 #include "virtual_host/virtual_ring_host.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <boost/asio/post.hpp>
 
