@@ -85,11 +85,6 @@ bool Boots::is_ending(std::uint8_t node) const {
   return boot != boots_.end() && boot->second.ends;
 }
 
-bool Boots::somebody_ends() const {
-  return std::any_of(boots_.begin(), boots_.end(),
-                     [this](const auto& boot) { return boot.second.ends && !is_away_(boot.first); });
-}
-
 void Boots::forget(std::uint8_t node) {
   boots_.erase(node);
   pids_.erase(node);

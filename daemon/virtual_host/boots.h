@@ -36,8 +36,6 @@ class Boots {
   /// The process of a node is ending, from this instant on.
   void ends(std::uint8_t node);
   bool is_ending(std::uint8_t node) const;
-  /// Time stands until some process has ended.
-  bool somebody_ends() const;
   /// Nobody boots there any more.
   void forget(std::uint8_t node);
   /// Called when the node is no longer away: its time limits start again now.

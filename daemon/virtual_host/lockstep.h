@@ -57,8 +57,6 @@ class Lockstep final : public host::TurnKeeper {
   /// Waits briefly for messages of the acting programs, one after the other, and handles them. A program that takes too
   /// long counts as stuck from then on.
   void await_messages();
-  /// As Boots.
-  bool somebody_ends() const { return boots_.somebody_ends(); }
   /// Gives a turn to programs that have messages, or whose wait is over: one per node at a time. Different nodes may
   /// act side by side, as they see each other's actions only later. @return false if there is none
   bool give_turns();

@@ -261,13 +261,14 @@ bool VirtualRingHost::all_wait() {
   lockstep_.take_news();
   ring_.run_until(ring_.now());  // what was asked for in this instant
   if (lockstep_.take_news()) return false;
-  // A process that ends says so when it likes: nobody else does anything before, so that the order is always the same.
-  if (!lockstep_.somebody_ends() && lockstep_.give_turns()) {
-    lockstep_.await_messages();
+  // Who comes or ends in this instant does so when the machine gets to it: nobody has a turn before, so that the order
+  // is always the same.
+  if (lockstep_.held_at() <= ring_.now()) {
+    if (!lockstep_.attach_those_due()) sleep_until(steady_clock::now() + kTick);
     return false;
   }
-  if (lockstep_.held_at() > ring_.now()) return true;
-  if (!lockstep_.attach_those_due()) sleep_until(steady_clock::now() + kTick);
+  if (!lockstep_.give_turns()) return true;
+  lockstep_.await_messages();
   return false;
 }
 
