@@ -172,7 +172,7 @@ class SavedByThemselves(WatchingTest):
         self.assertEqual(done.returncode, 0, done.stdout)
 
     def read(self, log):
-        with open(log) as file:
+        with open(log, errors='replace') as file:   # other tests give programs bytes that are no text
             return file.read()
 
     def test_when_a_daemon_crashes_but_not_when_one_is_ended(self):
