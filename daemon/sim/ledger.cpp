@@ -250,6 +250,7 @@ Ledger::Return Ledger::returned(NodeId source, wire::Code code, NodeId destinati
 }
 
 bool Ledger::has_taken(const core::ReceivedPacket& packet, NodeId node) const {
+  if (packet.source >= sources_.size()) return false;  // a core that looks at no CRC gives out anything
   const auto& sent = sources_[packet.source].sent;
   return std::any_of(sent.begin(), sent.end(), [&](const Sent& s) {
     const auto by_it = [&](const Sent::Decision& d) { return d.node == node && d.taken; };
