@@ -14,6 +14,11 @@ constexpr unsigned kStarting = in(NodeState::starting), kJoining = in(NodeState:
                    kOpenChain = in(NodeState::open_chain), kDuplicate = in(NodeState::duplicate_id);
 constexpr unsigned kAny = kStarting | kJoining | kClosed | kOpenChain | kDuplicate;
 
+Duration beacon_period(const Settings& settings) {
+  const auto place = static_cast<int>(place_of(settings.order, settings.id));
+  return settings.beacon + settings.beacon * place / (4 * static_cast<int>(settings.nodes()));
+}
+
 }  // namespace
 
 // clang-format off
@@ -45,6 +50,7 @@ Membership::Membership(const Settings& settings, Transmit& transmit, DuplicateMe
       memory_(memory),
       counters_(counters),
       events_(events),
+      beacon_period_(beacon_period(settings)),
       boot_(settings.boot),
       break_(settings.id) {
   transmit_.restart_numbers(boot_);
@@ -347,23 +353,15 @@ void Membership::beacon_changed(Time now) {
     send_beacon(now);
 }
 
-// The further behind a node is in the order, the longer its beacons take: so the first one leads, and its beacon is
-// there before the timer of any other node ends. (ours, protocol.md section 8.2)
-Duration Membership::beacon_takes_longer() const {
-  const auto place = static_cast<int>(place_of(settings_.order, settings_.id));
-  return settings_.beacon * place / (4 * static_cast<int>(settings_.nodes()));
-}
-
-// Sends the own beacon with that of another node if it is due soon: then all beacons of a quiet ring go round together.
-// (ours, protocol.md section 8.2)
+// Sends the own beacon with that of another node if the last one was some time ago: then all beacons of a quiet ring go
+// round together. (ours, protocol.md section 8.2)
 void Membership::send_beacon_along(Time now) {
-  const Duration soon = settings_.beacon / 2 + beacon_takes_longer();
-  if (!beacon_.out && beacon_.due <= now + soon) send_beacon(now);
+  if (!beacon_.out && beacon_.due - beacon_period_ <= now - settings_.beacon / 2) send_beacon(now);
 }
 
 void Membership::send_beacon(Time now) {
   beacon_.wanted = false;
-  beacon_.due = now + settings_.beacon + beacon_takes_longer();
+  beacon_.due = now + beacon_period_;
   if (hello_under_way() || !accepts_sends()) return;
   beacon_.out = true;
   std::array<std::uint8_t, wire::kLongBeaconSize> bytes;
@@ -378,7 +376,7 @@ void Membership::act_on_time(Time now) {
   if (drained_at_ <= now) on(Input::drained, now);
   if (hello_due_ <= now) hello_lost(now);
   if (beacon_.due <= now) {
-    beacon_.due = now + settings_.beacon + beacon_takes_longer();
+    beacon_.due = now + beacon_period_;
     beacon_changed(now);
     look_for_folds(now);
   }

@@ -185,7 +185,6 @@ class Membership {
   bool heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
   void own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now);
 
-  Duration beacon_takes_longer() const;
   void send_beacon_along(Time now);
   void send_beacon(Time now);
   wire::Beacon beacon(Time now) const;
@@ -202,6 +201,10 @@ class Membership {
   DuplicateMemory& memory_;
   Counters& counters_;
   EventQueue& events_;
+
+  /// From one own beacon to the next. The further behind a node is in the order, the longer: so the first one leads,
+  /// and its beacon is there before the timer of any other node ends. (ours, protocol.md section 8.2)
+  const Duration beacon_period_;
 
   NodeState state_ = NodeState::starting;
   std::uint64_t boot_;
