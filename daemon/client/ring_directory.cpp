@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <system_error>
 #include <utility>
 
@@ -113,21 +112,28 @@ std::vector<std::string> running_rings(const std::string& runtime) {
   return rings;
 }
 
-std::vector<std::string> nodes_here(const std::string& ring, const std::string& runtime) {
-  std::vector<std::string> ids;
-  std::map<std::string, std::string> names;  // by id
+std::map<std::string, std::string> node_names(const std::string& directory) {
+  std::map<std::string, std::string> names;
   std::error_code error;
-  for (fs::directory_iterator it(ring_directory(ring, runtime), error), end; !error && it != end; it.increment(error)) {
-    std::error_code gone;
-    if (it->path().extension() != ".host") continue;
-    if (it->is_symlink(gone))
-      names[fs::read_symlink(it->path(), gone).stem().string()] = it->path().stem().string();
-    else
-      ids.push_back(it->path().stem().string());
+  for (fs::directory_iterator it(directory, error), end; !error && it != end; it.increment(error)) {
+    std::error_code no_link;
+    const fs::path target = fs::read_symlink(it->path(), no_link);
+    if (!no_link && it->path().extension() == ".host" && target.extension() == ".host")
+      names[target.stem().string()] = it->path().stem().string();
   }
+  return names;
+}
+
+std::vector<std::string> nodes_here(const std::string& ring, const std::string& runtime) {
+  const std::string folder = ring_directory(ring, runtime);
+  std::vector<std::string> ids;
+  std::error_code error, gone;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == ".host" && !it->is_symlink(gone)) ids.push_back(it->path().stem().string());
   std::sort(ids.begin(), ids.end(), [](const std::string& a, const std::string& b) {
     return std::make_pair(a.size(), a) < std::make_pair(b.size(), b);
   });
+  const auto names = node_names(folder);
   for (std::string& id : ids)
     if (const auto name = names.find(id); name != names.end()) id = name->second;
   return ids;

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <filesystem>
 #include <iterator>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -156,33 +155,18 @@ bool is_killed(const std::string& folder, wire::NodeId node) {
   return !last.held && (last.on_virtual_ring || was_killed(folder, node, last.pid));
 }
 
-namespace {
-
-/// By the links NAME.host to ID.host.
-std::map<std::uint8_t, std::string> linked_names(const std::vector<std::string>& files) {
-  std::map<std::uint8_t, std::string> names;
-  for (const fs::path file : files) {
-    std::error_code no_link;
-    const auto id = node_of(fs::read_symlink(file, no_link).string(), ".host");
-    if (id && file.extension() == ".host" && config::is_node_name(file.stem())) names[*id] = file.stem();
-  }
-  return names;
-}
-
-}  // namespace
-
 std::vector<KnownNode> known_nodes(const std::string& folder) {
-  const std::vector<std::string> files = files_in(folder);
-  const auto names = linked_names(files);
+  const auto names = node_names(folder);
   std::vector<KnownNode> nodes;
-  for (const fs::path file : files) {
+  for (const fs::path file : files_in(folder)) {
     const auto id = node_of(file, ".lock");
     if (!id) continue;
     const auto note = note_of(folder, wire::NodeId{*id});
     std::istringstream words(note ? note->words : "");
     std::string fault, name;
-    const auto linked = names.find(*id);
-    if (!(words >> fault >> name)) name = linked == names.end() ? std::to_string(*id) : linked->second;
+    const auto linked = names.find(std::to_string(*id));
+    const bool is_named = linked != names.end() && config::is_node_name(linked->second);
+    if (!(words >> fault >> name)) name = is_named ? linked->second : std::to_string(*id);
     nodes.push_back({wire::NodeId{*id}, name});
   }
   std::sort(nodes.begin(), nodes.end(), [](const KnownNode& a, const KnownNode& b) { return a.id < b.id; });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -39,6 +40,10 @@ std::string make_ring_directory(const std::string& ring);
 
 /// Rings with at least one daemon that answers, by name, sorted.
 std::vector<std::string> running_rings(const std::string& runtime = {});
+
+/// Names of nodes by their ids, both as text, from the links NAME.host to ID.host in a ring's folder. A name is as it
+/// stands there, whoever has written it.
+std::map<std::string, std::string> node_names(const std::string& directory);
 
 /// Nodes of a ring that have run here: by name, or by id where a node has none; in the order of their ids. No daemon is
 /// asked whether it still runs: one that is frozen would let all others wait.
