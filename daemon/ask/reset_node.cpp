@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "ask/ring_words.h"
 #include "limb_ring/host_port.h"
 #include "live/connect_node.h"
 #include "live/not_done.h"
@@ -38,9 +39,7 @@ std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
     return "; the ring has folded: if it is in two parts, a node of the target's part has to ask (--from)";
   const auto before = line->value("before", std::uint8_t{0}), behind = line->value("behind", std::uint8_t{0});
   if (behind == query.target)
-    return "; nothing reaches the first node of an open chain: mend the line, or let its daemon restart its CPU: "
-           "'ringctl fault reset " +
-           name_of(query.nodes, behind) + "'";
+    return "; nothing reaches the first node of an open chain: " + way_to_first_of_chain(name_of(query.nodes, behind));
   return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) +
          " hears all others";
 }

@@ -20,4 +20,8 @@ std::string ring_in_words(const std::vector<NodeInRing>& nodes, const std::strin
   return working + (part < up ? "up, folded back in parts" : "up, folded back around a break");
 }
 
+std::string way_to_first_of_chain(const std::string& node) {
+  return "mend the line, or let its daemon restart its CPU: 'ringctl fault reset " + node + "'";
+}
+
 }  // namespace limb_ring::ask

@@ -16,4 +16,8 @@ struct NodeInRing {
 /// @param broken_line its two nodes, "waist -> left_hip"; empty: nobody knows it
 std::string ring_in_words(const std::vector<NodeInRing>& nodes, const std::string& broken_line);
 
+/// How to reach the CPU of the first node of an open chain, which nothing reaches over the ring: "mend the line, or let
+/// its daemon restart its CPU: 'ringctl fault reset left_hip'"
+std::string way_to_first_of_chain(const std::string& node);
+
 }  // namespace limb_ring::ask

@@ -41,6 +41,19 @@ bool wait_for(const std::function<bool()>& condition, milliseconds patience) {
   return true;
 }
 
+/// Whoever has asked a daemon in vain while it was frozen still stands before its door, and then has a client's place
+/// until it is seen to be gone. That it does not run, or is frozen again, is for whoever asks it next.
+bool lets_in(const std::function<void()>& connect, const std::function<bool()>& is_gone) {
+  try {
+    connect();
+    return true;
+  } catch (const HostPortError&) {
+    return is_gone();
+  } catch (const NotDone&) {
+    return true;
+  }
+}
+
 /// A node belongs to the ring once its hello, the first packet it sends, has come home.
 bool has_said_hello(const json& row) {
   const std::string state = row.value("state", "");
@@ -117,17 +130,9 @@ void RunningDaemons::wake_ring() const {
   if (pid <= 0 || !process::is_stopped(pid)) return;
   if (::kill(pid, SIGCONT) != 0)
     throw NotDone("ring " + ring_ + ": pid " + std::to_string(pid) + ": " + std::strerror(errno));
-  const auto lets_in = [&] {
-    try {
-      connect_ring(ring_);
-      return true;
-    } catch (const HostPortError&) {
-      return process::is_gone(pid);
-    }
-  };
   if (!wait_for([&] { return !process::is_stopped(pid); }, kSignalled))
     throw NotDone("the process of ring " + ring_ + " does not go on (does a debugger hold it?)");
-  wait_for(lets_in, kSignalled);
+  wait_for([&] { return lets_in([&] { connect_ring(ring_); }, [&] { return process::is_gone(pid); }); }, kSignalled);
 }
 
 json RunningDaemons::ask_through(HostPort& port, const json& request, milliseconds timeout) const {
@@ -182,20 +187,7 @@ void RunningDaemons::thaw(wire::NodeId id) const {
   signal(id, SIGCONT);
   if (!wait_for([&] { return !is_frozen(id); }, kSignalled))
     throw NotDone("node " + node(id).name + " does not go on (does a debugger hold it?)");
-  wait_for([&] { return lets_in(id); }, kSignalled);
-}
-
-/// Whoever has asked it in vain while it was frozen still stands before its door, and then has a client's place until
-/// it is seen to be gone. That it does not run, or is frozen again, is for whoever asks it next.
-bool RunningDaemons::lets_in(wire::NodeId id) const {
-  try {
-    connect(id);
-    return true;
-  } catch (const HostPortError&) {
-    return !holder(id).held;
-  } catch (const NotDone&) {
-    return true;
-  }
+  wait_for([&] { return lets_in([&] { connect(id); }, [&] { return !holder(id).held; }); }, kSignalled);
 }
 
 void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {

@@ -63,7 +63,6 @@ class RunningDaemons {
   HostPortError no_daemon(wire::NodeId node) const;
   std::uint64_t boot_of(wire::NodeId node) const;
   bool has_joined(wire::NodeId node) const;
-  bool lets_in(wire::NodeId node) const;
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout) const;
   bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;

@@ -12,6 +12,7 @@
 #include "ask/known_stops.h"
 #include "ask/resume_cpu.h"
 #include "ask/resumed.h"
+#include "ask/ring_words.h"
 
 namespace limb_ring::ringctl {
 
@@ -73,7 +74,7 @@ void print_json(const std::vector<ask::Resumed>& all) {
 /// What else ends the stop at a node that no other one reaches: the first of an open chain.
 std::string way_out(const ask::Resumed& one) {
   if (one.result.outcome != Outcome::unconfirmed || one.result.why != Reason::out_of_reach) return "";
-  return "; mend the line, or let its daemon restart its CPU: 'ringctl fault reset " + one.node.name + "'";
+  return "; " + ask::way_to_first_of_chain(one.node.name);
 }
 
 void print_text(const std::vector<ask::Resumed>& all, bool from_is_free) {
