@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "client/event_kinds.h"
-#include "config/characters.h"
 #include "config/names.h"
 #include "runtime/request_fields.h"
 #include "wire/data_packet.h"
@@ -24,9 +23,8 @@ const Words kMembers{"kinds", "packets", "promises"};
 const Words kOfPackets{"at", "kinds", "source", "destination", "priority", "channel", "sample", "limit_per_s"};
 
 void refuse_unknown(const json& from, const Words& allowed, const std::string& what) {
-  for (const auto& [member, value] : from.items())
-    if (std::find(allowed.begin(), allowed.end(), member) == allowed.end())
-      throw RequestError(what + ": '" + config::printable(member) + "' is unknown; there are " + config::join(allowed));
+  if (const auto unknown = unknown_member(from, allowed))
+    throw RequestError(what + ": '" + *unknown + "' is unknown; there are " + config::join(allowed));
 }
 
 json list_in(const json& from, const char* field) {

@@ -1,6 +1,9 @@
 #include "runtime/request_fields.h"
 
+#include <algorithm>
+
 #include "client/arguments.h"
+#include "config/characters.h"
 #include "wire/packet.h"
 
 namespace limb_ring::runtime {
@@ -25,6 +28,12 @@ nlohmann::json object_in(const std::string& text, const char* problem) {
   nlohmann::json object = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!object.is_object()) throw RequestError(problem);
   return object;
+}
+
+std::optional<std::string> unknown_member(const nlohmann::json& object, const std::vector<std::string>& known) {
+  for (const auto& [member, value] : object.items())
+    if (std::find(known.begin(), known.end(), member) == known.end()) return config::printable(member);
+  return std::nullopt;
 }
 
 std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,

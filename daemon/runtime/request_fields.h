@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "config/ring_config.h"
 
@@ -20,6 +22,9 @@ std::string text_of(const nlohmann::json& answer);
 /// What a client wrote, an object. @param problem says what it should be
 /// @throw RequestError where it is none, or nested too deep
 nlohmann::json object_in(const std::string& text, const char* problem);
+
+/// The first member that is not among these, printable; nothing where all are.
+std::optional<std::string> unknown_member(const nlohmann::json& object, const std::vector<std::string>& known);
 
 /// A whole number within `least` and `most`, `otherwise` where the field is missing.
 /// @throw RequestError naming the field and what is allowed

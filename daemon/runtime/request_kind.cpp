@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "config/characters.h"
 #include "config/names.h"
 #include "runtime/request_fields.h"
 
@@ -44,11 +43,11 @@ const RequestKind* find_request_kind(const nlohmann::json& request) {
 }
 
 void require_known_members(const nlohmann::json& request, const RequestKind& kind) {
-  for (const auto& [member, value] : request.items()) {
-    if (member == "do" || std::count(kind.members.begin(), kind.members.end(), member) != 0) continue;
-    throw RequestError(kind.name + ": '" + config::printable(member) + "' is unknown; " +
+  std::vector<std::string> known = kind.members;
+  known.emplace_back("do");
+  if (const auto unknown = unknown_member(request, known))
+    throw RequestError(kind.name + ": '" + *unknown + "' is unknown; " +
                        (kind.members.empty() ? "it takes nothing" : "it takes: " + config::join(kind.members)));
-  }
 }
 
 }  // namespace limb_ring::runtime
