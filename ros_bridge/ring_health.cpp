@@ -4,6 +4,7 @@
 #include <string>
 
 #include "ask/ring_words.h"
+#include "config/names.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -61,11 +62,9 @@ void tell_ring(const RingStatus& ring, diagnostic_updater::DiagnosticStatusWrapp
 }
 
 std::string what_is_wrong(const std::vector<NodeStatus>& nodes) {
-  std::string text;
-  for (const std::string& part :
-       {all_up(nodes) ? std::string() : in_words(nodes), failed_cpus(nodes), stopped_in_words(nodes)})
-    if (!part.empty()) text += (text.empty() ? "" : "; ") + part;
-  return text;
+  std::vector<std::string> parts{all_up(nodes) ? "" : in_words(nodes), failed_cpus(nodes), stopped_in_words(nodes)};
+  parts.erase(std::remove(parts.begin(), parts.end(), ""), parts.end());
+  return config::join(parts, "; ");
 }
 
 }  // namespace limb_ring::bridge
