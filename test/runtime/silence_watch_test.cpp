@@ -57,6 +57,14 @@ class SilenceWatchTest : public ::testing::Test {
  protected:
   static Time at(std::chrono::milliseconds time) { return Time(time); }
 
+  /// Not a moment earlier.
+  void expect_silent_at(std::chrono::milliseconds time) {
+    clock_.go_to(at(time - 1ms));
+    EXPECT_FALSE(watch_.silent());
+    clock_.go_to(at(time));
+    EXPECT_TRUE(watch_.silent());
+  }
+
   SetClock clock_;
   int told_ = 0;
   SilenceWatch watch_{clock_, [this] { ++told_; }};
@@ -70,10 +78,7 @@ TEST_F(SilenceWatchTest, WithoutAPromiseItIsNeverSilent) {
 
 TEST_F(SilenceWatchTest, ItIsSilentAfterThreePeriods) {
   watch_.begin(10ms);
-  clock_.go_to(at(29ms));
-  EXPECT_FALSE(watch_.silent());
-  clock_.go_to(at(30ms));
-  EXPECT_TRUE(watch_.silent());
+  expect_silent_at(30ms);
   EXPECT_EQ(watch_.silent_for(), 30ms);
   EXPECT_EQ(told_, 1);
 }
@@ -82,10 +87,7 @@ TEST_F(SilenceWatchTest, EachWordGivesItThreePeriodsMore) {
   watch_.begin(10ms);
   clock_.go_to(at(25ms));
   EXPECT_FALSE(watch_.spoke(clock_.now())) << "it was not silent";
-  clock_.go_to(at(54ms));
-  EXPECT_FALSE(watch_.silent());
-  clock_.go_to(at(55ms));
-  EXPECT_TRUE(watch_.silent());
+  expect_silent_at(55ms);
 }
 
 TEST_F(SilenceWatchTest, AWordEndsTheSilenceUntilTheNextOne) {
@@ -93,8 +95,7 @@ TEST_F(SilenceWatchTest, AWordEndsTheSilenceUntilTheNextOne) {
   clock_.go_to(at(100ms));
   EXPECT_TRUE(watch_.spoke(clock_.now()));
   EXPECT_FALSE(watch_.silent());
-  clock_.go_to(at(130ms));
-  EXPECT_TRUE(watch_.silent());
+  expect_silent_at(130ms);
   EXPECT_EQ(told_, 2);
 }
 
