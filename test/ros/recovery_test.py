@@ -136,7 +136,8 @@ class Recovery(unittest.TestCase):
         kill_process(self.ring.node('body').cpu_pid)
         after = self.ring.status.wait(
             lambda s: s.connected and s.nodes[0].cpu_boots > before.nodes[0].cpu_boots and
-            s.nodes[0].cpu_pid != before.nodes[0].cpu_pid, 'the new bridge')
+            s.nodes[0].cpu_pid != before.nodes[0].cpu_pid and all(node.pid for node in s.nodes),
+            'the new bridge, answered by all daemons')
         for old, new in zip(before.nodes[1:], after.nodes[1:]):
             self.assertEqual((new.pid, new.cpu_pid, new.cpu_boots),
                              (old.pid, old.cpu_pid, old.cpu_boots), new.name)
