@@ -51,15 +51,10 @@ Option<NodeConfig> id_option() {
   return id;
 }
 
-template <typename T>
-Option<T> part_name_option(const char* meaning) {
-  return name_option("name", &T::name, is_part_name, kPartNameRule, kRequired, meaning);
-}
-
 /// With the name it is known what a URDF says of it, as the defaults of the joint's other entries.
 Option<JointConfig> joint_name_option() {
-  auto option =
-      part_name_option<JointConfig>("As in JointState messages, and in the `urdf`; each name once in a ring.");
+  auto option = name_option("name", &JointConfig::name, is_part_name, kPartNameRule, kRequired,
+                            "As in JointState messages, and in the `urdf`; each name once in a ring.");
   option.read = [read_name = option.read](const Entry& entry, JointConfig& joint) {
     read_name(entry, joint);
     take_urdf_limits(entry, joint);
@@ -131,7 +126,8 @@ const Section<JointConfig>& joint_section() {
 
 const Section<SensorConfig>& sensor_section() {
   static const Section<SensorConfig> section{
-      part_name_option<SensorConfig>("Each name once in a ring."),
+      name_option("name", &SensorConfig::name, is_sensor_name, kSensorNameRule, kRequired,
+                  "Its topic is sensors/NAME; each name once in a ring."),
       choice_option("kind", &SensorConfig::kind, {"imu", "force"},
                     "imu: acceleration and turn rate. force: contact force."),
       real_option("rate", &SensorConfig::rate, {0.1, 1000, "Hz"}, "How often it is sent."),

@@ -108,6 +108,10 @@ TEST(WrongNodes, JointsOrSensorsWithoutACpu) {
 TEST(WrongNodes, Sensors) {
   EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a, kind: camera}]\n")),
               HasSubstr("'camera' is unknown; allowed: imu, force"));
+  EXPECT_THAT(refusal_of(node_with("    sensors: [{name: foot-force}]\n")),
+              Eq("ring.yaml:5:22: entry 'nodes[1].sensors[0].name': 'foot-force' is not a name that can be used here; "
+                 "allowed: a letter, then letters, digits and '_', 64 at most"));
+  EXPECT_THAT(refusal_of(node_with("    sensors: [{name: foot.force}]\n")), HasSubstr("is not a name"));
   EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a, priority: 4}]\n")),
               HasSubstr("'4' is out of range; allowed: a whole number, 0 to 3"));
   EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a, rate: 0}]\n")),
