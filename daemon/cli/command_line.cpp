@@ -121,6 +121,15 @@ std::string lines(const Words& words) {
   return text;
 }
 
+/// What roslaunch adds at the end for ROS nodes, which our programs are not: FROM:=TO of each <remap> in scope,
+/// `__name:=...` and `__log:=...`.
+void drop_words_of_roslaunch(Words& words) {
+  const auto is_for_nodes = [](const std::string& word) { return word.find(":=") != std::string::npos; };
+  const auto is_name = [](const std::string& word) { return word.rfind("__name:=", 0) == 0; };
+  const auto added = std::find_if_not(words.rbegin(), words.rend(), is_for_nodes).base();
+  if (std::any_of(added, words.end(), is_name)) words.erase(added, words.end());
+}
+
 void set_formatter(CLI::App& app, const std::shared_ptr<CLI::Formatter>& formatter) {
   app.formatter(formatter);
   for (CLI::App* part : app.get_subcommands([](CLI::App*) { return true; })) set_formatter(*part, formatter);
@@ -140,6 +149,7 @@ void label(CLI::App& app) {
 const char* version() { return LIMB_RING_VERSION; }
 
 std::optional<std::string> read(CLI::App& app, Words arguments, const NamesOf& names) {
+  drop_words_of_roslaunch(arguments);
   if (app.get_option_no_throw("--version") == nullptr) app.add_flag("--version", "Print the version and end");
   if (!arguments.empty() && arguments[0] == "complete")
     return lines(completions(app, {arguments.begin() + 1, arguments.end()}, names));

@@ -20,7 +20,7 @@ const char* version();
 
 /// Reads a command line into the options of `app`. Beside these every program has --help, --version, `help`, and
 /// where it has subcommands `help SUBCOMMAND`; for shells `complete WORD...`, the words that may stand next; and for
-/// the build `man-page`.
+/// the build `man-page`. What roslaunch adds at the end is passed over.
 /// @param app has a name, the program's
 /// @param arguments without the program's name
 /// @param names for `complete`

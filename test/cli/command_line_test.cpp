@@ -56,6 +56,16 @@ TEST_F(Program, GuessesTheSubcommandThatWasMeant) {
   EXPECT_THAT(refusal({"stauts", "--help"}), HasSubstr("'prog stauts' is unknown"));
 }
 
+TEST_F(Program, PassesOverWhatRoslaunchAddsForNodes) {
+  EXPECT_EQ(refusal({"status", "__name:=status", "__log:=/tmp/status.log"}), "accepted");
+  EXPECT_EQ(refusal({"send", "--from", "a", "--text", "hello", "joint_states:=state", "tf:=/tf", "__name:=send"}),
+            "accepted");
+  EXPECT_EQ(text, "hello");
+  EXPECT_EQ(refusal({"send", "--from", "a", "--text", "to:=b"}), "accepted");
+  EXPECT_EQ(text, "to:=b");
+  EXPECT_THAT(refusal({"status", "joint_states:=state"}), HasSubstr("'joint_states:=state' is one argument too many"));
+}
+
 TEST_F(Program, DoesNotTakeAnEmptyWordForAnOptionThatIsNotGiven) {
   EXPECT_EQ(refusal({"send", "--from", "", "--text", "hello"}), "--from is empty: Node that sends");
   EXPECT_EQ(refusal({"send", "--from", "a", "--text", ""}), "--text is empty: This text");

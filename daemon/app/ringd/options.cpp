@@ -2,7 +2,6 @@
 
 #include <iostream>
 
-#include "app/common/from_roslaunch.h"
 #include "app/common/out_file.h"
 #include "cli/command_line.h"
 #include "cli/values.h"
@@ -13,13 +12,6 @@ namespace limb_ring::ringd {
 namespace {
 
 constexpr const char* kPlainName = "plain";
-
-std::vector<std::string> own_arguments(int argc, const char* const* argv) {
-  std::vector<std::string> arguments;
-  for (int i = 1; i < argc; ++i)
-    if (!app::from_roslaunch(argv[i])) arguments.emplace_back(argv[i]);
-  return arguments;
-}
 
 void check_node_count(const Options& options, const config::RingConfig& ring) {
   if (options.nodes && *options.nodes != ring.nodes.size())
@@ -73,7 +65,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
                "Record all that goes into the network controller and comes out: 'ringctl record'");
   app.add_flag("--options", o.list_options, "Print every entry of the YAML file, and end");
   try {
-    const auto asked = cli::read(app, own_arguments(argc, argv));
+    const auto asked = cli::read(app, {argv + 1, argv + argc});
     if (!asked) return o;
     std::cout << *asked;
     return std::nullopt;

@@ -30,7 +30,7 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads the command line; arguments that roslaunch adds (__name:=, __log:=) are passed over.
+/// Reads the command line.
 /// @return nothing where help or version was asked for, and printed
 /// @throw UsageError
 std::optional<Options> parse_options(int argc, const char* const* argv);

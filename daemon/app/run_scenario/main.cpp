@@ -1,12 +1,10 @@
-// run_scenario: 'ringctl scenario run' for a <test> of rostest. The JUnit report goes to the path that rostest gives,
-// and arguments that roslaunch adds for ROS nodes are dropped.
+// run_scenario: 'ringctl scenario run' for a <test> of rostest. The JUnit report goes to the path that rostest gives.
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
 
-#include "app/common/from_roslaunch.h"
 #include "app/ringctl/problems.h"
 #include "process/execute.h"
 #include "process/find_program.h"
@@ -19,7 +17,6 @@ std::vector<std::string> ringctl_arguments(int argc, char** argv) {
   std::vector<std::string> arguments{"ringctl", "scenario", "run"};
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (limb_ring::app::from_roslaunch(argument)) continue;
     if (argument.rfind(kResult, 0) != 0) {
       arguments.push_back(argument);
       continue;
