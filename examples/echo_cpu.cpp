@@ -1,5 +1,6 @@
 // echo_cpu.cpp: sends every packet back to where it came from, and tells of interrupts
-//   echo_cpu [RING NODE]     as a node's `cpu: {command: [/PATH/echo_cpu]}` without: ringd tells it
+//   echo_cpu [RING NODE]     as a node's `cpu: {command: [/PATH/echo_cpu]}` without: ringd tells it. What roslaunch
+//                            adds behind them plays no part
 #include <limb_ring/host_port.h>
 
 #include <iostream>
@@ -7,14 +8,14 @@
 using namespace limb_ring;
 
 int main(int argc, char** argv) try {
-  if (argc != 1 && argc != 3) {
+  if (argc == 2) {
     std::cerr << "usage: echo_cpu [RING NODE]" << std::endl;
     return 2;
   }
   ConnectOptions options;
   options.role = Role::cpu;
   options.alive_period = std::chrono::milliseconds(500);  // a promise: at least so often it calls receive() or send()
-  if (argc == 3) options.ring = argv[1], options.node = argv[2];
+  if (argc > 2) options.ring = argv[1], options.node = argv[2];
   HostPort port = HostPort::connect(options);
   std::cout << "CPU of node " << int(port.id()) << " (" << port.name() << ") of ring " << port.ring() << std::endl;
   while (port.connected()) {

@@ -1,14 +1,14 @@
 #!/usr/bin/python3
-"""echo_cpu.cpp in Python: echo_cpu.py [RING NODE]"""
+"""echo_cpu.cpp in Python: echo_cpu.py [RING NODE]; what roslaunch adds behind them plays no part"""
 import sys
 
 import limb_ring
 
 
 def main():
-    if len(sys.argv) not in (1, 3):
+    if len(sys.argv) == 2:
         sys.exit('usage: echo_cpu.py [RING NODE]')
-    ring, node = sys.argv[1:] or ('', '')
+    ring, node = sys.argv[1:3] or ('', '')
     with limb_ring.HostPort.connect(ring=ring, node=node, role='cpu', alive_period=0.5) as port:
         print('CPU of node %d (%s) of ring %s' % (port.id, port.name, port.ring), flush=True)
         while port.connected:

@@ -1,5 +1,6 @@
 // joint_cpu.cpp: one joint: obeys joint commands, and sends its state to node 0 a hundred times a second
-//   joint_cpu [RING NODE]    as a node's `cpu: {command: [/PATH/joint_cpu]}` without: ringd tells it
+//   joint_cpu [RING NODE]    as a node's `cpu: {command: [/PATH/joint_cpu]}` without: ringd tells it. What roslaunch
+//                            adds behind them plays no part
 #include <limb_ring/host_port.h>
 #include <limb_ring/payload/joint_command.h>
 #include <limb_ring/payload/joint_state.h>
@@ -61,14 +62,14 @@ struct Joint {
 };
 
 int main(int argc, char** argv) try {
-  if (argc != 1 && argc != 3) {
+  if (argc == 2) {
     std::cerr << "usage: joint_cpu [RING NODE]" << std::endl;
     return 2;
   }
   ConnectOptions options;
   options.role = Role::cpu;
   options.alive_period = milliseconds(100);
-  if (argc == 3) options.ring = argv[1], options.node = argv[2];
+  if (argc > 2) options.ring = argv[1], options.node = argv[2];
   HostPort port = HostPort::connect(options);
   Joint joint;
   for (nanoseconds due = port.now(); port.connected();) {  // the ring's clock: it may be a virtual one

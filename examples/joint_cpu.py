@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """joint_cpu.cpp in Python: obeys joint commands, and sends the state of one joint to node 0 a hundred times a second.
-joint_cpu.py [RING NODE]"""
+joint_cpu.py [RING NODE]; what roslaunch adds behind them plays no part"""
 import sys
 
 import limb_ring
@@ -48,9 +48,9 @@ class Joint:
 
 
 def main():
-    if len(sys.argv) not in (1, 3):
+    if len(sys.argv) == 2:
         sys.exit('usage: joint_cpu.py [RING NODE]')
-    ring, node = sys.argv[1:] or ('', '')
+    ring, node = sys.argv[1:3] or ('', '')
     joint = Joint()
     with limb_ring.HostPort.connect(ring=ring, node=node, role='cpu', alive_period=0.1) as port:
         due = port.now()   # the ring's clock: it may be a virtual one

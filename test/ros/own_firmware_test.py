@@ -15,6 +15,7 @@ from sensor_msgs.msg import JointState
 from limb_ring.ring import programs_folder
 from ring_testing import Newest, Ring
 
+ADDED_BY_ROSLAUNCH = ['__name:=knee', '__log:=/dev/null']
 SOURCE = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
 
 
@@ -23,9 +24,9 @@ class OwnFirmware(unittest.TestCase):
         self.ring = Ring().wait_until_up(cpus=False).ring
         self.commands = rospy.Publisher('joint_commands', JointState, queue_size=1)
 
-    def walk(self, *program, goal):
+    def walk(self, *program, goal, added=()):
         """The knee is shown, goes where it is told, and is left out again when the program has ended."""
-        cpu = subprocess.Popen([*program, self.ring, 'knee'])
+        cpu = subprocess.Popen([*program, self.ring, 'knee', *added])
         try:
             states = Newest('joint_states', JointState)
             states.wait(lambda state: list(state.name) == ['knee'], 'the knee in joint_states')
@@ -41,10 +42,10 @@ class OwnFirmware(unittest.TestCase):
         Ring().status.wait(lambda status: list(status.silent_joints) == ['knee'], 'the knee silent')
 
     def test_in_cpp(self):
-        self.walk(os.path.join(programs_folder(), 'joint_cpu'), goal=-0.5)
+        self.walk(os.path.join(programs_folder(), 'joint_cpu'), goal=-0.5, added=ADDED_BY_ROSLAUNCH)
 
     def test_in_python(self):
-        self.walk(sys.executable, os.path.join(SOURCE, 'examples', 'joint_cpu.py'), goal=-0.25)
+        self.walk(sys.executable, os.path.join(SOURCE, 'examples', 'joint_cpu.py'), goal=-0.25, added=ADDED_BY_ROSLAUNCH)
 
     def test_from_the_page_alone(self):
         with open(os.path.join(SOURCE, 'docs', 'firmware.md')) as page:
