@@ -96,4 +96,9 @@ void tell_unreadable(const std::string& folder) {
   for (const std::string& problem : live::unreadable_files(folder)) tell_user(problem);
 }
 
+void tell_unreadable_rings() {
+  const std::string folder = rings_directory(), problem = why_unreadable(folder);
+  if (!problem.empty()) tell_user(folder + problem);
+}
+
 }  // namespace limb_ring::ringctl

@@ -46,4 +46,7 @@ std::string why_unreadable(const std::string& folder);
 /// (live::unreadable_files).
 void tell_unreadable(const std::string& folder);
 
+/// Says on standard error why rings could be there and not be seen: whose folder all rings' folders are in.
+void tell_unreadable_rings();
+
 }  // namespace limb_ring::ringctl

@@ -103,6 +103,7 @@ void tidy_those_left() {
 
 /// Ends all rings of this user. @return an ExitCode; kDone also if there is none. @throw NotDone with what is left
 int run_all() {
+  tell_unreadable_rings();
   std::vector<std::string> rings = live::held_rings();
   for (const std::string& ring : live::killed_rings()) rings.push_back(ring);
   tidy_those_left();

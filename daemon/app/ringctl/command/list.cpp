@@ -43,6 +43,7 @@ std::string words_of(const nlohmann::json& hosts) {
 }
 
 int run(bool json) {
+  tell_unreadable_rings();
   for (const std::string& folder : live::ring_folders()) tell_unreadable(folder);
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   std::vector<std::vector<std::string>> rows{{"ring", "nodes", "host", "clock", "at s", "pace", "late s", "lost s"}};
