@@ -37,9 +37,17 @@ void require_name(const char* what, const std::string& name) {
                               "not begin with '.' or '-'");
 }
 
-void make_private(const std::string& folder) {
+/// Null where it is not set, or relative: that would be another folder for each program, and XDG's specification has
+/// it ignored.
+const char* told_runtime() {
+  const char* told = std::getenv("XDG_RUNTIME_DIR");
+  return told != nullptr && *told == '/' ? told : nullptr;
+}
+
+/// @param right what would be right where it cannot be made
+void make_private(const std::string& folder, const std::string& right = "") {
   if (mkdir(folder.c_str(), kOwnerOnly) != 0 && errno != EEXIST) {
-    throw std::system_error(errno, std::generic_category(), "cannot make the folder " + folder);
+    throw std::system_error(errno, std::generic_category(), "cannot make the folder " + folder + right);
   }
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0) throw std::system_error(errno, std::generic_category(), folder);
@@ -66,9 +74,7 @@ bool any_daemon_answers(const fs::path& folder) {
 
 std::string rings_directory(const std::string& runtime) {
   if (!runtime.empty()) return runtime + "/limb_ring";
-  const char* told = std::getenv("XDG_RUNTIME_DIR");
-  // A relative one would be another folder for each program; XDG's specification has it ignored.
-  if (told != nullptr && *told == '/') return std::string(told) + "/limb_ring";
+  if (const char* told = told_runtime(); told != nullptr) return std::string(told) + "/limb_ring";
   std::error_code error;
   const fs::path temporary = fs::temp_directory_path(error);
   const std::string base = error ? std::string("/tmp") : temporary.string();
@@ -96,7 +102,10 @@ std::string why_not_private(const std::string& folder) {
 
 std::string make_ring_directory(const std::string& ring) {
   const std::string folder = ring_directory(ring);
-  make_private(rings_directory());
+  // In a container, or behind `su` or `sudo -E`, it may name a folder that is not there, or another user's.
+  const bool told = told_runtime() != nullptr;
+  make_private(rings_directory(),
+               told ? " (XDG_RUNTIME_DIR has to name a folder of this user's, or not to be set)" : "");
   make_private(folder);
   return folder;
 }

@@ -47,7 +47,7 @@ class Folder(RingTest):
         self.environment['XDG_RUNTIME_DIR'] = self.write('a_file', '')
         self.assert_cannot_run('a_file')
         self.environment['XDG_RUNTIME_DIR'] = os.path.join(self.folder, 'missing')
-        self.assert_cannot_run('missing')
+        self.assert_cannot_run('missing', 'XDG_RUNTIME_DIR has to name a folder')
 
     def test_too_long_for_a_socket_is_refused(self):
         deep = os.path.join(self.folder, 'd' * 60)
