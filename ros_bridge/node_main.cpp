@@ -35,7 +35,8 @@ int complain(const std::exception& error, int code) {
 bool is_name_taken() {
   const std::string& name = ros::this_node::getName();
   if (!ros::service::exists(name + "/get_loggers", /*print_failure_reason=*/false)) return false;
-  ROS_FATAL("node %s runs already; give this one a name or a namespace of its own", name.c_str());
+  ROS_FATAL("node %s runs already, and `rosnode kill %s` ends it; or give this one a name or a namespace of its own",
+            name.c_str(), name.c_str());
   return true;
 }
 

@@ -77,7 +77,8 @@ class TwoRobots(unittest.TestCase):
         done = subprocess.run(['rosrun', 'limb_ring', 'ring_bridge', '--respawn', '__name:=ring_bridge'],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=GUARD)
         self.assertEqual(done.returncode, 2, done.stdout)
-        self.assertIn('node /ring_bridge runs already; give this one a name or a namespace of its own', done.stdout)
+        self.assertIn('node /ring_bridge runs already, and `rosnode kill /ring_bridge` ends it; or give this one a name',
+                      done.stdout)
         ring.status.wait_for_more(3, 'what the first bridge says after it')
 
 
