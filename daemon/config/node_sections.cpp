@@ -92,7 +92,7 @@ const Section<CpuConfig>& cpu_section() {
   static const Section<CpuConfig> section{
       {"command", "required, or `attached: true`", kAllowedCommands,
        "The program is looked for beside ringd, then on PATH; with a '/' in it, from the folder in which the ring is "
-       "started. It dies with ringd.",
+       "started (by roslaunch: `~/.ros`). [rosrun, PACKAGE, PROGRAM] finds that of a ROS package. It dies with ringd.",
        [](const Entry& entry, CpuConfig& cpu) { cpu.command = read_command(entry); }},
       {"attached", "false", "true, false", "Instead of `command`: as `cpu: attached`.",
        [](const Entry& entry, CpuConfig& cpu) {
