@@ -157,8 +157,8 @@ class HostPort:
                     given no stamp
         @param channel default: 2 for one of these, else 0"""
         typed = hasattr(data, 'encode') and not isinstance(data, str)
-        if isinstance(data, int):
-            raise TypeError('data: bytes are needed, not %r' % data)   # bytes(5) would be five zeros
+        if isinstance(data, (int, str)):   # bytes(5) would be five zeros
+            raise TypeError('data: bytes are needed, not %r' % data)
         content = self._encoded(data) if typed else bytes(data)
         if channel is None:
             channel = JOINT_CHANNEL if typed else 0

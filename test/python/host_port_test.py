@@ -74,8 +74,9 @@ def test_bad_arguments_are_results_that_say_so(ring):
     assert port.wait(port.send(1, b'')).why == 'bad_size'
     assert port.wait(port.send(1, b'x', channel=64)).why == 'bad_channel'
     assert 'factors are 0 to 7' in port.wait(port.interrupt(1, 9)).reason
-    with pytest.raises(TypeError, match='bytes are needed, not 5'):
-        port.send(1, 5)
+    for data in (5, 'hello'):
+        with pytest.raises(TypeError, match='bytes are needed, not %r' % data):
+            port.send(1, data)
     for call, said in ((lambda: port.send(256, b'x'), '0 to 254, or BROADCAST is needed, not 256'),
                        (lambda: port.send('knee', b'x'), "the id of a node, .* not 'knee'"),
                        (lambda: port.send(1, b'x', priority=-1), 'priority: 0 .highest. to 3 is needed, not -1'),
