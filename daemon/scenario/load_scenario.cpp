@@ -76,6 +76,19 @@ void check_line(const Entry& entry, const Step& step, const config::RingConfig& 
     entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
 }
 
+/// An input that is wired to nothing sends nothing.
+void check_input(const Entry& entry, const Step& step, const config::RingConfig& ring) {
+  const auto* send = std::get_if<Send>(&step.action);
+  if (!send || !send->input) return;
+  for (const NodeId from : send->from) {
+    const config::NodeConfig& node = ring.nodes[from];
+    if (!node.inputs[*send->input])
+      entry.find("do")->find("send")->find("input")->refuse_value(
+          "is wired to nothing at node '" + node.name + "'",
+          "one of the `inputs` that the ring's file gives this node");
+  }
+}
+
 // The CPUs of the soak's world are no programs.
 void check_world(const Entry& entry, const Step& step, World world) {
   using fault::Name;
@@ -93,7 +106,7 @@ std::uint64_t rate_of(const Entry& entry, World world) {
   return world == World::soak ? read_rate(entry) : read_line_rate(entry);
 }
 
-/// Errors that no single entry shows: unknown sends, lines that the ring has not, times that run backwards.
+/// Errors that no single entry shows: unknown sends, lines and inputs that the ring has not, times that run backwards.
 void check_scenario(const Entry& file, const Scenario& scenario) {
   const std::vector<std::string> names = send_names(scenario);
   if (names.size() > kMostNames) file.refuse("it has too many sends", std::to_string(kMostNames) + " names");
@@ -105,6 +118,7 @@ void check_scenario(const Entry& file, const Scenario& scenario) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (const auto when = steps[i].find("when")) check_condition(*when, names);
     check_line(steps[i], scenario.steps[i], scenario.ring);
+    check_input(steps[i], scenario.steps[i], scenario.ring);
     check_world(steps[i], scenario.steps[i], scenario.world);
     if (!scenario.steps[i].at) continue;
     if (*scenario.steps[i].at < latest)

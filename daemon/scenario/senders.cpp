@@ -62,8 +62,7 @@ void Senders::ask(const Job& job) {
   if (!(send.input ? ring_.alive(job.from) : cpu_sends_(job.from))) return;
   std::uint32_t token = 0;
   if (send.input) {
-    const auto& wire = ring_.settings(job.from).inputs[*send.input];
-    if (wire) of_interrupt_[{job.from, wire->factor}] = job.tally;
+    of_interrupt_[{job.from, ring_.settings(job.from).inputs[*send.input]->factor}] = job.tally;
     token = ring_.pull(job.from, *send.input);
   } else if (send.interrupt) {
     of_interrupt_[{job.from, *send.interrupt}] = job.tally;

@@ -127,6 +127,12 @@ TEST(LoadScenario, RefusesASendOfNoKindOrOfTwo) {
               HasSubstr("'to' is missing"));
 }
 
+TEST(LoadScenario, RefusesAnInputThatIsWiredToNothing) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 1, input: 3}}}]\n")),
+              HasSubstr("entry 'steps[0].do.send.input': '3' is wired to nothing at node 'node1'; allowed: one of the "
+                        "`inputs` that the ring's file gives this node"));
+}
+
 TEST(LoadScenario, NeedsOneRing) {
   EXPECT_THAT(refusal_of("scenario: x\nsteps: []\n"), HasSubstr("neither ring nor nodes is given"));
   EXPECT_THAT(refusal_of("scenario: x\nnodes: 2\nring: y\nsteps: []\n"), HasSubstr("both given"));
