@@ -142,7 +142,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"live", {"fault", "wire", "config", "process", "promises", "limb_ring"}},
     {"ask", {"wire", "live", "payload", "process", "limb_ring"}},
     {"bench", {"wire", "capture", "core", "promises", "config", "live", "process", "statistics", "limb_ring"}},
-    {"app/common", {}},
+    {"app/common", {"config", "process"}},
     {"app/capture_text", {"app/common", "wire", "capture", "limb_ring"}},
     {"app/ringd",
      {"app/common", "cli", "config", "core", "event_loop", "process", "runtime", "setup", "sim", "sim_tools",

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "app/common/ring_file.h"
 #include "app/common/text_table.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/plan_rows.h"
@@ -38,7 +39,7 @@ std::string check_duration(const std::string& text) {
 
 PlanReport make_report(const PlanOptions& options) {
   PlanReport report;
-  const config::RingConfig ring = config::load_ring(options.config);
+  const config::RingConfig ring = config::load_ring(app::ring_file(options.config));
   report.assumed = sim::assumes_lines(ring);
   const auto delay = core::whole_nanoseconds(options.medium.relay_delay);
   report.ring = sim::with_assumed_lines(ring, options.medium.rate, delay);
@@ -103,7 +104,7 @@ void add_plan(CLI::App& app, Context& context) {
       app, "plan",
       "Worst latency of everything that a ring's file makes its nodes send, and whether the ring carries it. "
       "Lines without a rate in the file are taken to have --rate and --relay-delay");
-  command->add_option("CONFIG", options->config, "The ring's YAML file")->required();
+  command->add_option("CONFIG", options->config, "The ring's YAML file, or its name, such as leg8")->required();
   add_lines(*command, options->medium);
   command
       ->add_option_function<std::string>(

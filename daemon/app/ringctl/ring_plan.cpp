@@ -3,9 +3,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/common/ring_file.h"
 #include "app/ringctl/host_choice.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/ring_file.h"
 #include "config/config_error.h"
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
@@ -92,7 +92,7 @@ RingPlan plan_ring(const UpRequest& given) {
   if (given.config.empty() && given.nodes == 0)
     throw UsageError("give CONFIG, the ring's YAML file or its name, or --nodes N for a plain ring");
   UpRequest request = given;
-  if (!given.config.empty()) request.config = ring_file(given.config);
+  if (!given.config.empty()) request.config = app::ring_file(given.config);
   const config::RingConfig config = load(request);
   RingPlan plan;
   plan.ring = ring_name(request, config);

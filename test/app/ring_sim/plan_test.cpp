@@ -1,6 +1,8 @@
 // What `ring_sim plan` prints and ends with.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -75,6 +77,18 @@ TEST_F(PlanCommand, PrintsJsonAndCsvForPrograms) {
   // 512 bytes on the line at 8 ns, two relay delays of 512 ns.
   EXPECT_DOUBLE_EQ(json["streams"][0]["confirmed_max_us"], 5.12);
   EXPECT_THAT(plan({file, "--csv"}).out, StartsWith("stream,from,to,priority,bytes,packets,"));
+}
+
+TEST_F(PlanCommand, TakesTheNameOfARing) {
+  const std::string users = folder + "/limb_ring";
+  std::filesystem::create_directory(users);
+  std::filesystem::rename(two_nodes("size: 1, rate: 1"), users + "/mine.yaml");
+  ::setenv("XDG_CONFIG_HOME", folder.c_str(), 1);
+  EXPECT_EQ(plan({"mine"}).code, kDone);
+  const CliRun unknown = plan({"mine9"});
+  ::unsetenv("XDG_CONFIG_HOME");
+  EXPECT_EQ(unknown.code, kUsage);
+  EXPECT_THAT(unknown.errors, HasSubstr("there is no file mine9, and no ring mine9.yaml in " + users));
 }
 
 TEST_F(PlanCommand, RefusesWrongFilesAndArguments) {

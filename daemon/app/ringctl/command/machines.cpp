@@ -3,10 +3,10 @@
 #include <iostream>
 #include <memory>
 
+#include "app/common/ring_file.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/machines_file.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/ring_file.h"
 #include "config/load_ring.h"
 
 namespace limb_ring::ringctl {
@@ -18,7 +18,7 @@ struct MachinesOptions {
 };
 
 int run(const MachinesOptions& options) {
-  const config::RingConfig ring = config::load_ring(ring_file(options.config));
+  const config::RingConfig ring = config::load_ring(app::ring_file(options.config));
   const char* prefixes = std::getenv("CMAKE_PREFIX_PATH");
   const std::string usual = usual_env_loader(prefixes ? prefixes : "");
   try {

@@ -1,12 +1,12 @@
-#include "app/ringctl/ring_file.h"
+#include "app/common/ring_file.h"
 
 #include <cstdlib>
 #include <filesystem>
 
-#include "app/ringctl/problems.h"
+#include "config/config_error.h"
 #include "process/find_program.h"
 
-namespace limb_ring::ringctl {
+namespace limb_ring::app {
 
 namespace {
 
@@ -42,7 +42,7 @@ std::string ring_file(const std::string& given) {
     if (is_file(path)) return path.string();
     looked_in += (looked_in.empty() ? "" : ", ") + folder.string();
   }
-  throw UsageError("there is no file " + given + ", and no ring " + given + ".yaml in " + looked_in);
+  throw config::ConfigError("there is no file " + given + ", and no ring " + given + ".yaml in " + looked_in);
 }
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::app
