@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -57,13 +58,6 @@ pid_t pid_in(const std::string& line) {
   return pid > 1 ? pid : -1;
 }
 
-/// Whether that process may run this program; the kernel adds " (deleted)" where its file was replaced.
-bool may_run(pid_t pid, const std::string& program) {
-  std::error_code unknown;
-  const std::string runs = fs::read_symlink("/proc/" + std::to_string(pid) + "/exe", unknown).string();
-  return unknown || program.empty() || runs == program || runs == program + " (deleted)";
-}
-
 /// What is left of the file: words that end by a null; by a line end where a daemon of limb_ring 0.1.0 wrote it.
 std::vector<std::string> rest_of(std::istream& file) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -72,6 +66,20 @@ std::vector<std::string> rest_of(std::istream& file) {
   std::vector<std::string> rest;
   for (std::string word; std::getline(words, word, end);) rest.push_back(word);
   return rest;
+}
+
+/// Whether that process may be this daemon: the kernel adds " (deleted)" where its program was replaced. Where the
+/// daemon is in another pid namespace, as in a container, its number here may be that of another ring's daemon.
+bool may_be(pid_t pid, const Holder& daemon) {
+  const std::string folder = "/proc/" + std::to_string(pid);
+  std::error_code unknown;
+  const std::string runs = fs::read_symlink(folder + "/exe", unknown).string();
+  if (daemon.program.empty()) return true;
+  if (!unknown && runs != daemon.program && runs != daemon.program + " (deleted)") return false;
+  std::ifstream command(folder + "/cmdline");
+  std::string called;
+  std::getline(command, called, '\0');  // empty where the process is ending
+  return called.empty() || rest_of(command) == daemon.arguments;
 }
 
 bool are_of_virtual_ring(const std::vector<std::string>& arguments) {
@@ -117,8 +125,8 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   }
   holder.pid = pid_in(pid);
   const bool lives = is_held(file);
-  // Some other process has that pid now: it must not be signalled.
-  if (lives && !may_run(holder.pid, holder.program)) holder.pid = -1;
+  // Another process has that pid: it must not be signalled.
+  if (lives && !may_be(holder.pid, holder)) holder.pid = -1;
   holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
   const std::string fault = holder.on_virtual_ring ? noted_fault(folder, node) : "";
   holder.held = lives && fault != fault::word_of(fault::Name::kill).word;

@@ -6,7 +6,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <functional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -156,17 +158,27 @@ bool RunningDaemons::done_in_virtual_ring(fault::Name what, wire::NodeId id) con
 }
 
 // The pid is that of the lock's holder: no other process is hit.
-void RunningDaemons::signal(wire::NodeId id, int number) const {
+pid_t RunningDaemons::pid_here(wire::NodeId id) const {
   const Holder holder = this->holder(id);
-  if (!holder.held || holder.pid <= 0) throw no_daemon(id);
-  if (::kill(holder.pid, number) != 0)
-    throw NotDone("node " + node(id).name + ": pid " + std::to_string(holder.pid) + ": " + std::strerror(errno));
+  if (!holder.held) throw no_daemon(id);
+  // No process, or one of the kernel's, has a number that is of another pid namespace.
+  std::error_code unseen;
+  if (holder.pid > 0) std::filesystem::read_symlink("/proc/" + std::to_string(holder.pid) + "/exe", unseen);
+  if (holder.pid <= 0 || unseen == std::errc::no_such_file_or_directory)
+    throw NotDone("the daemon of node " + node(id).name +
+                  " is not among the processes that are seen from here, as where it runs in a container: do it there");
+  return holder.pid;
+}
+
+void RunningDaemons::signal(wire::NodeId id, int number) const {
+  const pid_t pid = pid_here(id);
+  if (::kill(pid, number) != 0)
+    throw NotDone("node " + node(id).name + ": pid " + std::to_string(pid) + ": " + std::strerror(errno));
 }
 
 void RunningDaemons::kill(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::kill, id)) return;
-  require_runs(id);
-  const pid_t pid = holder(id).pid;
+  const pid_t pid = pid_here(id);
   const std::string problem = write_killed(folder_, id, pid);
   if (!problem.empty()) throw NotDone("node " + node(id).name + ": " + problem);
   signal(id, SIGKILL);
@@ -193,7 +205,9 @@ void RunningDaemons::thaw(wire::NodeId id) const {
 void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
   if (done_in_virtual_ring(fault::Name::start, id)) return wait_for_hello(id, patience);
   const Holder last = holder(id);
-  if (last.held) throw NotDone("node " + node(id).name + " runs already, pid " + std::to_string(last.pid));
+  if (last.held)
+    throw NotDone("node " + node(id).name + " runs already" +
+                  (last.pid > 0 ? ", pid " + std::to_string(last.pid) : ""));
   if (last.program.empty())
     throw NotDone("node " + node(id).name + " has never run on this host, so nobody knows how to start it");
   const std::string log = folder_ + "/" + node(id).number + ".log";

@@ -65,6 +65,7 @@ class RunningDaemons {
   bool has_joined(wire::NodeId node) const;
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout) const;
   bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;
+  pid_t pid_here(wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;
   void keep(process::Child daemon) const;
 

