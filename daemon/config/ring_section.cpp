@@ -77,8 +77,8 @@ const Section<RingConfig>& ring_section() {
                      "What the daemons ask of the kernel; where refused they say so and go on."),
       {"urdf", "none", "a path, from the folder of this file, or absolute, or package://PACKAGE/PATH",
        "A URDF, from which the joints have their limits (`lower`, `upper`, `velocity`, `effort`), by their names. A "
-       "limit "
-       "that is given here as well is as it is here.",
+       "limit that is given here as well is as it is here. A joint that is continuous there, as of a wheel, turns from "
+       "-100 to 100 rad, where limb_firmware stops it.",
        [](const Entry& entry, RingConfig&) { read_urdf(entry); }},
       hosts_option(),
       section_option("recorder", &RingConfig::recorder, recorder_section(),
