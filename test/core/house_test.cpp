@@ -174,7 +174,7 @@ const std::map<std::string, Parts> kMayInclude{
      {"app/common", "app/capture_text", "wire", "capture", "core", "sim", "sim_tools", "scenario", "study", "config",
       "cli", "process", "promises", "recorder"}},
     {"app/scenario_cpu", {"limb_ring"}},
-    {"app/run_scenario", {"app/common", "app/ringctl", "process"}},
+    {"app/run_scenario", {"app/ringctl", "process"}},
 };
 
 TEST(House, ArrowsPointOneWay) {
