@@ -132,7 +132,7 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
 
 void Invariants::starts(NodeId node, Time now) {
   NodeRecord& n = record_.at(node);
-  record_.ledger.start(node);
+  record_.ledger.start(node, now);
   n.receiver = ReceiverModel(n.settings);
   n.history.state = NodeState::starting;
   n.history.state_at = now;

@@ -33,6 +33,7 @@ Ledger::Ledger(unsigned nodes, bool fold_back, Complain complain)
       fold_back_(fold_back),
       sources_(nodes),
       forgotten_before_(nodes),
+      started_(nodes),
       passed_over_(*this, complain_),
       newest_(std::size_t{nodes} * nodes * 5) {}
 
@@ -278,7 +279,10 @@ void Ledger::take(Sent* sent, const wire::PacketFields& packet, NodeId node, Tim
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
   const bool first_try = packet.code().attempt == 0;
-  const auto may_be_forgotten = [&](const Sent::Decision& d) { return first_try && d.at < forgotten_before_[node]; };
+  const bool one_copy = sent->asked > released_;
+  const auto may_be_forgotten = [&](const Sent::Decision& d) {
+    return first_try && (d.at < forgotten_before_[node] || (!one_copy && d.at < started_[node]));
+  };
   for (const Sent::Decision& decision : sent->decisions)
     if (decision.taken && decision.node == node && !may_be_forgotten(decision))
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
@@ -372,7 +376,8 @@ void Ledger::check_measures(const Sent& sent) {
 
 // ---- restarts --------------------------------------------------------------------------------
 
-void Ledger::start(NodeId node) {
+void Ledger::start(NodeId node, Time now) {
+  started_[node] = now;
   ++sources_[node].incarnation;
   for (auto& waiting : sources_[node].waiting) waiting.clear();
   sources_[node].outstanding = {};

@@ -152,8 +152,8 @@ class Ledger {
   void cancel(NodeId source, Time now);
   /// @return null if that is not judged further: of another owner, not known any more, or told twice
   const Sent* end(NodeId source, const core::SendEnded& end, Time at);
-  /// `node` has restarted, with an empty memory.
-  void start(NodeId node);
+  /// `node` has restarted, with an empty memory: a copy that a line has held back it may take again.
+  void start(NodeId node, Time now);
   /// A line has released what it held back: of earlier sends a second copy may be under way.
   void line_released(Time now) { released_ = now; }
   /// Judges what could not be judged in its own instant.
@@ -168,8 +168,8 @@ class Ledger {
   /// All that later events are judged by, for study/explore/state_hash.h; the same in the classes below.
   template <class Archive>
   void archive(Archive& a) {
-    a("sources", sources_)("forgotten_before", forgotten_before_)("passed_over", passed_over_)("newest", newest_);
-    a("released", released_);
+    a("sources", sources_)("forgotten_before", forgotten_before_)("started", started_)("passed_over", passed_over_);
+    a("newest", newest_)("released", released_);
   }
 
  private:
@@ -249,6 +249,7 @@ class Ledger {
   bool fold_back_;
   std::vector<Source> sources_;
   std::vector<Time> forgotten_before_;  ///< by node
+  std::vector<Time> started_;           ///< by node
   PassedOver passed_over_;
   std::vector<std::uint32_t> newest_;  ///< token, by node, source, queue
   Time released_{core::Duration{-1}};  ///< when a line last did

@@ -150,6 +150,9 @@ TEST(RandomFaults, BreakNoPromiseWhereAPacketEndsUnconfirmedBeforeItsEndIsOut) {
 // Another: packets came to a node that folds before its output was there, and were counted as waiting in it.
 TEST(RandomFaults, BreakNoPromiseWherePacketsComeBeforeTheOutputIsThere) { expect_no_breach({3827004283}); }
 
+// Another: a line had doubled an INTP, and a node started between the two copies.
+TEST(RandomFaults, BreakNoPromiseWhereANodeStartsBetweenTwoCopies) { expect_no_breach({3829069836}); }
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
