@@ -18,6 +18,7 @@
 #include "live/ring_clock.h"
 #include "process/process_state.h"
 #include "process/program.h"
+#include "process/regular_file.h"
 #include "process/spawn.h"
 
 namespace limb_ring::live {
@@ -211,8 +212,8 @@ void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
   if (last.program.empty())
     throw NotDone("node " + node(id).name + " has never run on this host, so nobody knows how to start it");
   const std::string log = folder_ + "/" + node(id).number + ".log";
-  const process::UniqueFd output(::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!output.valid()) throw NotDone("cannot write " + log + ": " + std::strerror(errno));
+  const process::UniqueFd output = process::open_regular(log, O_WRONLY | O_CREAT | O_APPEND);
+  if (!output.valid()) throw NotDone("cannot write " + log + ": " + process::why_not_opened(log));
   process::Child daemon(process::spawn(as_last_time(last, output.get())), last.program);
   // Where it has ended and the node runs all the same, somebody else has started it.
   const auto in_vain = [&] { return (daemon.reap() || daemon.ended()) && !holder(id).held; };

@@ -6,13 +6,13 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <deque>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include "process/find_program.h"
+#include "process/regular_file.h"
 
 namespace limb_ring::process {
 namespace {
@@ -21,7 +21,7 @@ constexpr std::size_t kLastLines = 5;
 constexpr off_t kLastWords = 4096;  // bytes
 
 [[noreturn]] void cannot_write(const std::string& path) {
-  throw std::runtime_error("cannot write " + path + ": " + std::strerror(errno));
+  throw std::runtime_error("cannot write " + path + ": " + why_not_opened(path));
 }
 
 /// Reserves room on the disk without writing: where the disk gets full, the program can still say why it ends.
@@ -38,7 +38,7 @@ void reserve_last_words(int log, const std::string& path) {
 }
 
 UniqueFd open_log(const std::string& path) {
-  UniqueFd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
+  UniqueFd file = open_regular(path, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND);
   if (!file.valid()) cannot_write(path);
   reserve_last_words(file.get(), path);
   return file;

@@ -6,11 +6,16 @@
 
 #include <array>
 #include <cerrno>
+#include <cstring>
 
 namespace limb_ring::process {
 namespace {
 
-const char* kind_in(mode_t mode) {
+/// Empty where it is a regular file, or nothing is there.
+std::string other_kind(const std::string& path) {
+  struct stat found {};
+  if (::lstat(path.c_str(), &found) != 0 || S_ISREG(found.st_mode)) return "";
+  const mode_t mode = found.st_mode;
   if (S_ISFIFO(mode)) return "a FIFO";
   if (S_ISDIR(mode)) return "a folder";
   if (S_ISLNK(mode)) return "a symbolic link";
@@ -20,8 +25,8 @@ const char* kind_in(mode_t mode) {
 
 }  // namespace
 
-UniqueFd open_regular(const std::string& path) {
-  UniqueFd file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW));
+UniqueFd open_regular(const std::string& path, int flags) {
+  UniqueFd file(::open(path.c_str(), flags | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW, 0600));
   struct stat found {};
   if (!file.valid() || (::fstat(file.get(), &found) == 0 && S_ISREG(found.st_mode))) return file;
   file.reset();
@@ -30,9 +35,14 @@ UniqueFd open_regular(const std::string& path) {
 }
 
 std::string why_not_regular(const std::string& path) {
-  struct stat found {};
-  if (::lstat(path.c_str(), &found) != 0 || S_ISREG(found.st_mode)) return "";
-  return path + " is " + kind_in(found.st_mode) + ", not a regular file";
+  const std::string kind = other_kind(path);
+  return kind.empty() ? "" : path + " is " + kind + ", not a regular file";
+}
+
+std::string why_not_opened(const std::string& path) {
+  const int error = errno;
+  const std::string kind = other_kind(path);
+  return kind.empty() ? std::strerror(error) : "it is " + kind + ", not a regular file; remove it";
 }
 
 std::string text_of(const UniqueFd& file) {

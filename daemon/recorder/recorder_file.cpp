@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "process/regular_file.h"
 #include "process/throw_errno.h"
 #include "process/unique_fd.h"
 #include "recorder/recording.h"
@@ -104,9 +105,10 @@ std::vector<std::string> recordings_in(const std::string& folder) {
 bool is_of_former_life(const std::string& recording) { return std::filesystem::path(recording).extension() == kFormer; }
 
 std::size_t save_file(const std::string& recording, const std::string& to) {
-  const process::UniqueFd file(::open(recording.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const process::UniqueFd file = process::open_regular(recording);
   struct stat status {};
-  if (!file.valid() || ::fstat(file.get(), &status) != 0) throw_errno("cannot read " + recording);
+  if (!file.valid() || ::fstat(file.get(), &status) != 0)
+    throw std::runtime_error("cannot read " + recording + ": " + process::why_not_opened(recording));
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) throw std::runtime_error(recording + " is empty");
   const Mapping mapped(map(file.get(), size, PROT_READ, recording), {size});

@@ -5,9 +5,8 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
-#include <cstring>
 
+#include "process/regular_file.h"
 #include "wire/bytes.h"
 #include "wire/packet.h"
 
@@ -21,10 +20,10 @@ using Bytes = std::array<std::uint8_t, 8>;
 
 BootRecord::BootRecord(const std::string& directory, std::uint8_t id) {
   const std::string path = directory + "/" + std::to_string(id) + ".boot";
-  fd_.reset(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  fd_ = process::open_regular(path, O_RDWR | O_CREAT);
   if (!fd_.valid()) {
     spdlog::warn("{}: {}; the next process of this node cannot go on from this one's boot number", path,
-                 std::strerror(errno));
+                 process::why_not_opened(path));
     return;
   }
   Bytes bytes;

@@ -82,6 +82,24 @@ class Folder(RingTest):
                     self.assertIn('%s is a FIFO, not a regular file' % fifo, done.stderr)
         self.assertFalse(os.path.exists(self.ring_folder()))
 
+    def test_a_fifo_in_place_of_a_log_is_named_and_keeps_nobody_waiting(self):
+        self.make_ring_folder()
+        log = os.path.join(self.ring_folder(), '1.log')
+        os.mkfifo(log)
+        config = self.write_ring(plain_nodes(2))
+        up = self.ctl('up', config, '--detach')
+        self.assertEqual(up.returncode, 1)
+        self.assertIn('cannot write %s: it is a FIFO, not a regular file; remove it' % log, up.stderr)
+        os.remove(log)
+        self.assertEqual(self.ctl('up', config, '--detach').returncode, 0)
+        self.assertEqual(self.ctl('fault', 'kill', '1').returncode, 0)
+        os.remove(log)
+        os.mkfifo(log)
+        start = self.ctl('fault', 'start', '1')
+        self.assertEqual(start.returncode, 1)
+        self.assertIn('is a FIFO, not a regular file; remove it', start.stderr)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+
     def test_is_not_filled_by_a_cpu_that_writes_all_the_time(self):
         # In one write: what came behind a new beginning would stay in the log.
         in_one_write = 'dd bs=6000000 iflag=fullblock status=none'

@@ -2,6 +2,7 @@
 // changed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,6 +18,7 @@
 #include "recorder/replayed_ring.h"
 #include "sim/virtual_ring.h"
 #include "support/temporary_folder.h"
+#include "support/thrown.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -227,6 +229,13 @@ TEST_F(SavedFile, ofAnotherRingIsRefusedBesideTheseOfOne) {
   recorded_ring("other");
   save_file(recording_of(folder_, 1), saved("7.record"));
   EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("7.record: is of ring other, and "));
+}
+
+TEST_F(SavedFile, isMadeOfARegularFile) {
+  const std::string recording = recording_of(folder_, 9);
+  ASSERT_EQ(::mkfifo(recording.c_str(), 0600), 0);
+  EXPECT_THAT(test::thrown<std::runtime_error>([&] { save_file(recording, saved("9.record")); }),
+              HasSubstr("9.record: it is a FIFO, not a regular file; remove it"));
 }
 
 TEST_F(SavedFile, isARegularFile) {

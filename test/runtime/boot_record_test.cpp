@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "support/temporary_folder.h"
 #include "wire/packet.h"
@@ -48,6 +49,18 @@ TEST_F(BootRecordTest, ItIsTheLastOneNoted) {
 TEST_F(BootRecordTest, AFileThatHoldsNoNumberIsAsNone) {
   std::ofstream(folder / "7.boot") << "abc";
   EXPECT_EQ(open().first(5000), 5000u);
+}
+
+TEST_F(BootRecordTest, WhatALinkInItsPlaceLeadsToIsLeftAlone) {
+  std::ofstream(folder / "precious") << "precious";
+  std::filesystem::create_symlink("precious", folder / "7.boot");
+  BootRecord record = open();
+  record.note(1000);
+  EXPECT_EQ(record.first(10), 1001u);
+  EXPECT_EQ(open().first(10), 10u);
+  std::string left;
+  std::ifstream(folder / "precious") >> left;
+  EXPECT_EQ(left, "precious");
 }
 
 TEST_F(BootRecordTest, WhereNoFileCanBeMadeItIsTheTime) {
