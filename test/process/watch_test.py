@@ -232,6 +232,15 @@ class SavedByThemselves(WatchingTest):
         self.wait('saved again', lambda: self.read(log).count('recordings are saved in') == 2)
         self.assertEqual([name.rsplit('-', 1)[1] for name in self.saved()], ['break', 'crash'])
 
+    def test_a_crash_before_the_keeper_looks(self):
+        daemons = self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})
+        daemons[2].kill()
+        daemons[2].wait()
+        self.saves = os.path.join(self.folder, 'saves')
+        keeper = self.start('keep', [program('ringctl'), '--ring', self.ring, 'record', 'keep', self.saves])
+        self.wait('a save', lambda: 'node 2 (node2) has crashed; recordings are saved in' in self.log_of(keeper))
+        self.assertEqual(len(self.saved()), 1)
+
     def test_also_where_a_node_cannot_be_watched(self):
         daemons = self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})
         os.mkdir(os.path.join(self.ring_folder(), '1.watch'))   # where its file would be

@@ -43,8 +43,12 @@ std::string date_text() {
 RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
     : ring_(ring.ring()), folder_(ring.ring()), options_(std::move(options)) {
   live::PromiseWatch::Ring watched{ring_, {}, ring.folds_back()};
+  // A ring that has been started may lose a daemon before we look. While it is started, a lock file may be of the ring
+  // before it.
+  const bool started = live::held_up_lock(folder_.path()).empty();
   for (const NodeName& node : ring.nodes_here()) {
-    nodes_.push_back({node, -1, live::ObservedDaemon(ring_, node.id, R"({"kinds": ["state"]})")});
+    const pid_t pid = started ? live::holder_of(folder_.path(), node.id).pid : -1;
+    nodes_.push_back({node, pid, live::ObservedDaemon(ring_, node.id, R"({"kinds": ["state"]})")});
     watched.nodes.push_back(node.id);
   }
   if (options_.when.count("promise") != 0)

@@ -37,7 +37,7 @@ class RecordingKeeper {
   using Clock = std::chrono::steady_clock;
   struct Node {
     NodeName name;
-    pid_t pid = -1;  ///< of its daemon, while it lives
+    pid_t pid = -1;  ///< of its daemon, while it lives, or has not been looked for
     live::ObservedDaemon states;
   };
 
