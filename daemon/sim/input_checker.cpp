@@ -81,6 +81,7 @@ void InputChecker::word_arrives(NodeId node, wire::FoldWord word, Line line, Tim
   if (begins && (known || word.node == node)) return;
   const core::Duration surely = (wire::kMissedBeacons - 1) * record_.at(node).settings.beacon;
   in.fold_known_until = begins && record_.ring.alive(word.node) ? now + surely : Time{};
+  record_.at(node).control.may_be_dropped = true;
   if (in.input == Line::second && in.collector.open() && in.own) record_.ledger.returned_damaged(node, false);
 }
 
@@ -241,7 +242,8 @@ void InputChecker::comes_home(NodeId node, const PacketFields& packet, Time at_e
   if (!interrupt && wire::is_control(packet)) {
     const bool is_last = n.control.crc == crc_at_source(packet) && n.control.code == packet.code_byte();
     // Of two copies that came home damaged in the instant in which this try left, the second one may have ended it.
-    const bool sure = !record_.ledger.was_damaged(node, false) && n.damaged_at < n.control.left;
+    const bool sure = !record_.ledger.was_damaged(node, false) && n.damaged_at < n.control.left &&
+                      !(n.control.hello && n.control.may_be_dropped);
     n.control_home = at_end;
     n.hello_out = false;
     n.receiver.announce(is_last && sure, at_end);

@@ -92,7 +92,7 @@ void OutputChecker::own_data_leaves(NodeId node, const PacketFields& packet) {
   else if (joins && hello && n.receiver.joined() == Tristate::no)
     n.receiver.set_joined(Tristate::unknown);
   if (control) {
-    n.control = {packet.code_byte(), packet.crc(), hello.has_value(), record_.ring.now()};
+    n.control = {packet.code_byte(), packet.crc(), hello.has_value(), false, record_.ring.now()};
     return record_.ledger.try_is_control(node);
   }
   record_.ledger.depart(node, packet.code(),

@@ -22,11 +22,12 @@ struct NodeRecord {
     std::uint8_t code = 0;
     std::uint32_t crc = 0;  ///< 0: none is out
     bool hello = false;
+    bool may_be_dropped = false;  ///< its input may have changed since: then a joining node says another hello
     Time left{};
 
     template <class Archive>
     void archive(Archive& a) {
-      a("code", code)("crc", crc)("hello", hello)("left", left);
+      a("code", code)("crc", crc)("hello", hello)("may_be_dropped", may_be_dropped)("left", left);
     }
   };
 

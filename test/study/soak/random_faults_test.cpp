@@ -153,6 +153,9 @@ TEST(RandomFaults, BreakNoPromiseWherePacketsComeBeforeTheOutputIsThere) { expec
 // Another: a line had doubled an INTP, and a node started between the two copies.
 TEST(RandomFaults, BreakNoPromiseWhereANodeStartsBetweenTwoCopies) { expect_no_breach({3829069836}); }
 
+// Another: a joining node heard a fold and its end, and so said another hello, before the first one was home.
+TEST(RandomFaults, BreakNoPromiseWhereAFoldComesBeforeTheHelloIsHome) { expect_no_breach({3829222620}); }
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
