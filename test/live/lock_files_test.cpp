@@ -120,6 +120,13 @@ TEST_F(RingFolder, ADaemonOfTheReleaseBeforeIsKnownByItsLines) {
   const Holder holder = holder_of(ring, 7);
   EXPECT_EQ(holder.folder, "/home/me");
   EXPECT_THAT(holder.arguments, ElementsAre("--node", "7"));
+  std::ofstream lock(ring + "/7.lock");
+  lock << ::getpid() << '\n' << program << "\n/home/me\n";
+  std::ifstream command("/proc/self/cmdline");
+  std::string word;
+  for (std::getline(command, word, '\0'); std::getline(command, word, '\0');) lock << word << '\n';
+  lock.close();
+  EXPECT_EQ(holder_of(ring, 7).pid, ::getpid()) << "with the arguments of this process";
 }
 
 TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
