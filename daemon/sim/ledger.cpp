@@ -279,9 +279,8 @@ void Ledger::take(Sent* sent, const wire::PacketFields& packet, NodeId node, Tim
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
   const bool first_try = packet.code().attempt == 0;
-  const bool one_copy = sent->asked > released_;
   const auto may_be_forgotten = [&](const Sent::Decision& d) {
-    return first_try && (d.at < forgotten_before_[node] || (!one_copy && d.at < started_[node]));
+    return first_try && (d.at < forgotten_before_[node] || (may_have_copy(*sent) && d.at < started_[node]));
   };
   for (const Sent::Decision& decision : sent->decisions)
     if (decision.taken && decision.node == node && !may_be_forgotten(decision))
@@ -343,8 +342,7 @@ void Ledger::check_result(const Sent& sent) {
   const bool broadcast = sent.destination == wire::kBroadcast;
   if (outcome == Outcome::delivered && !sent.taken() && !sent.may_be_taken) complain(", and nobody has taken it");
   // A line has duplicated the packet: the destination took one copy and died; the other one came home untaken.
-  const bool one_copy = sent.asked > released_;
-  if (outcome == Outcome::no_such_node && sent.taken() && one_copy) complain(", and somebody has taken it");
+  if (outcome == Outcome::no_such_node && sent.taken() && !may_have_copy(sent)) complain(", and somebody has taken it");
   if (outcome == Outcome::refused && !broadcast && sent.taken()) complain(", and it was taken");
   if (outcome == Outcome::rejected && sent.left) complain(", and it was on the line");
 }

@@ -240,6 +240,8 @@ class Ledger {
   Slot& on_line_slot(NodeId source, wire::Code code, NodeId destination);
   void count_tries(Sent& sent, wire::Code code);
   void note_passed_over(const Sent& leaving, Time since);
+  /// A line has held something back since, so a second copy of it may have been under way.
+  bool may_have_copy(const Sent& sent) const { return sent.asked <= released_; }
   void check_result(const Sent& sent);
   void check_measures(const Sent& sent);
   void check_order(const Sent& sent, NodeId node);
