@@ -125,10 +125,10 @@ std::map<std::string, std::string> node_names(const std::string& directory) {
   std::map<std::string, std::string> names;
   std::error_code error;
   for (fs::directory_iterator it(directory, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() != ".host") continue;
     std::error_code no_link;
     const fs::path target = fs::read_symlink(it->path(), no_link);
-    if (!no_link && it->path().extension() == ".host" && target.extension() == ".host")
-      names[target.stem().string()] = it->path().stem().string();
+    if (!no_link && target.extension() == ".host") names[target.stem().string()] = it->path().stem().string();
   }
   return names;
 }
