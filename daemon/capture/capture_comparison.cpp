@@ -59,9 +59,11 @@ std::string difference(const PcapngReader::Record& first, const PcapngReader::Re
   return difference(std::get<CapturedEvent>(first), std::get<CapturedEvent>(second));
 }
 
-CaptureComparison compare(PcapngReader& first, PcapngReader& second) {
+CaptureComparison compare(PcapngReader& first, PcapngReader& second,
+                          const std::function<void(std::uint64_t)>& goes_on) {
   CaptureComparison result;
   for (;; ++result.equal) {
+    if (goes_on && result.equal % 4096 == 0) goes_on(result.equal);
     auto a = first.next();
     auto b = second.next();
     if (!a && !b) return result;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -18,7 +19,9 @@ struct CaptureComparison {
 };
 
 /// Reads both up to where they part, or to their ends. @throw CaptureFileError
-CaptureComparison compare(PcapngReader& first, PcapngReader& second);
+/// @param goes_on is called now and then with what is equal so far
+CaptureComparison compare(PcapngReader& first, PcapngReader& second,
+                          const std::function<void(std::uint64_t)>& goes_on = {});
 
 /// "time, bytes from 8": what of them differs; empty where nothing does. @pre both are packets, or both events
 std::string difference(const PcapngReader::Record& first, const PcapngReader::Record& second);

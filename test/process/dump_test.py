@@ -201,6 +201,23 @@ class Replay(Looking):
         self.assertEqual(self.ctl('--ring', 'none', 'replay', path).returncode, 3)
 
 
+class LargeCapture(RingTest):
+    def test_what_reads_it_says_so_meanwhile(self):
+        whole = os.path.join(self.folder, 'whole.pcapng')
+        made = self.run_program('ring_sim', 'run', '--nodes', 2, '--outputs', '--capture', whole)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        slow = os.path.join(self.folder, 'slow.pcapng')
+        os.mkfifo(slow)
+        with open(whole, 'rb') as file:
+            packets = file.read()
+        for command in ('trace', 'replay'):
+            reads = self.start(command, [program('ringctl'), command, slow])
+            with open(slow, 'wb', buffering=0) as file:
+                file.write(packets)
+                self.wait('progress', lambda: 'ringctl: reading %s ...\n' % slow in self.log_of(reads))
+            self.wait_exit(reads)
+
+
 class Top(Looking):
     def test_once_gives_rates_of_every_line(self):
         self.start_ring(plain_nodes(3))

@@ -4,6 +4,7 @@
 #include "app/capture_text/packet_text.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
+#include "app/ring_sim/progress.h"
 #include "capture/capture_comparison.h"
 #include "capture/capture_file.h"
 
@@ -44,7 +45,10 @@ int tell(const capture::CaptureComparison& result, const CompareTracesOptions& o
 
 int run(const CompareTracesOptions& options) {
   capture::CaptureFile first(options.first), second(options.second);
-  const capture::CaptureComparison result = compare(first.reader(), second.reader());
+  const auto tell_progress = [progress = Progress()](std::uint64_t equal) mutable {
+    progress.tell("compared " + std::to_string(equal) + " packets and events");
+  };
+  const capture::CaptureComparison result = compare(first.reader(), second.reader(), tell_progress);
   if (!result.first) require_whole(first.reader(), options.first);
   if (!result.second) require_whole(second.reader(), options.second);
   return tell(result, options, first.reader().names(), second.reader().names());

@@ -27,10 +27,10 @@ void Progress::tell(const std::string& what) {
     tell_user(what + " ...");
 }
 
-void while_telling(const std::string& ring, const std::function<void()>& work) {
+void while_telling(const std::string& ring, const std::function<void()>& work, const std::string& what) {
   Progress progress(ring);
   std::future<void> done = std::async(std::launch::async, work);
-  while (done.wait_for(kWorkTick) != std::future_status::ready) progress.tell();
+  while (done.wait_for(kWorkTick) != std::future_status::ready) progress.tell(what);
   try {
     done.get();
   } catch (const HostPortTimeout&) {

@@ -20,8 +20,9 @@ class Progress {
   std::chrono::steady_clock::time_point next_;
 };
 
-/// Does `work`, which waits and tells nothing, and tells meanwhile where the ring's virtual clock stands.
+/// Does `work`, which tells nothing, and tells meanwhile `what` it is, or where the ring's virtual clock stands.
+/// @param ring, what as in Progress
 /// @throw what `work` throws; NotKnown instead of HostPortTimeout where the clock stands
-void while_telling(const std::string& ring, const std::function<void()>& work);
+void while_telling(const std::string& ring, const std::function<void()>& work, const std::string& what = {});
 
 }  // namespace limb_ring::ringctl

@@ -7,6 +7,7 @@
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
 #include "app/ringctl/tell_user.h"
 #include "capture/capture_file.h"
 
@@ -54,12 +55,15 @@ SeenPackets packets_of_file(const std::string& path) {
   capture::CaptureFile file(path);
   capture::PcapngReader& reader = file.reader();
   SeenPackets seen;
-  while (const auto record = reader.next()) {
-    const auto* packet = std::get_if<CapturedPacket>(&*record);
-    if (packet == nullptr) continue;
-    seen.packets.push_back(capture::seen(*packet));
-    seen.lost += packet->lost_before;
-  }
+  const auto read = [&] {
+    while (const auto record = reader.next()) {
+      const auto* packet = std::get_if<CapturedPacket>(&*record);
+      if (packet == nullptr) continue;
+      seen.packets.push_back(capture::seen(*packet));
+      seen.lost += packet->lost_before;
+    }
+  };
+  while_telling({}, read, "reading " + path);
   seen.names = reader.names();
   tell_problems(reader);
   return seen;

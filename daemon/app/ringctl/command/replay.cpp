@@ -138,7 +138,9 @@ void require_an_end(const ReplayPlan& plan, const ReplayOptions& options) {
 
 ReplayPlan read_plan(const ReplayOptions& options) {
   capture::CaptureFile file(options.file);
-  ReplayPlan plan = plan_replay(file.reader());
+  ReplayPlan plan;
+  while_telling(
+      {}, [&] { plan = plan_replay(file.reader()); }, "reading " + options.file);
   tell_problems(file.reader());
   const auto unwanted = [&](const ReplaySend& send) { return options.no_interrupts && send.interrupt; };
   plan.sends.erase(std::remove_if(plan.sends.begin(), plan.sends.end(), unwanted), plan.sends.end());

@@ -9,6 +9,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
 #include "app/ringctl/seen_packets.h"
 #include "app/ringctl/tell_user.h"
 #include "app/ringctl/trace_svg.h"
@@ -86,6 +87,15 @@ SeenPackets seen_packets(const Context& context, const TraceOptions& options) {
   return packets_of_ring(context.ring, nanoseconds(std::llround(options.lasts_s.value_or(kUsualLook) * 1e9)));
 }
 
+/// Of many millions of packets that takes seconds.
+std::unique_ptr<capture::TracedRing> sorted(std::vector<capture::SeenPacket> packets) {
+  std::unique_ptr<capture::TracedRing> ring;
+  const std::string what = "sorting " + std::to_string(packets.size()) + " packets";
+  while_telling(
+      {}, [&] { ring = std::make_unique<capture::TracedRing>(std::move(packets)); }, what);
+  return ring;
+}
+
 /// Where one is asked for and it is not open yet. @throw UsageError
 void open_picture(std::ofstream& picture, const TraceOptions& options) {
   if (options.svg.empty() || picture.is_open()) return;
@@ -133,7 +143,8 @@ int run(const Context& context, const TraceOptions& options) {
   const capture::TripChoice choice = choice_of(options, seen);
   if (seen.lost != 0) tell_user(std::to_string(seen.lost) + " packets are missing in this capture; paths have gaps");
   const bool any = !seen.packets.empty();
-  const capture::TracedRing ring(std::move(seen.packets));
+  const auto sorted_ring = sorted(std::move(seen.packets));
+  const capture::TracedRing& ring = *sorted_ring;
   if (any && !ring.outputs_seen())
     throw UsageError(options.file +
                      ": what packets waited for shows only where they go out too; 'ringctl dump all "
