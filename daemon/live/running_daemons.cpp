@@ -236,6 +236,21 @@ std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {
   return ask(id, {{"do", "status"}}).value("boot", std::uint64_t{0});
 }
 
+// A daemon that starts anew lets go of its lock for a moment, and lives. Of one in a container, where its pid means
+// nothing here, nobody can tell the two apart.
+bool RunningDaemons::wait_while_it_lives(wire::NodeId id, const std::function<bool()>& condition,
+                                         milliseconds patience) const {
+  const Holder before = holder(id);
+  const bool unseen = before.held && process::is_gone(before.pid);
+  const auto has_ended = [&] { return !unseen && process::is_gone(before.pid) && !holder(id).held; };
+  const bool in_time = wait_for([&] { return condition() || has_ended(); }, patience);
+  const std::string log = folder_ + "/" + node(id).number + ".log";
+  if (has_ended())
+    throw NotDone("the daemon of node " + node(id).name + " has ended, as where 'ringctl down' ends its ring" +
+                  (std::filesystem::exists(log) ? process::last_lines_of(log) : ""));
+  return in_time;
+}
+
 // The daemon sends no answer, because it ends. A higher boot number shows that it has come back.
 void RunningDaemons::power_cycle(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::power_cycle, id)) return wait_for_hello(id);
@@ -254,7 +269,7 @@ void RunningDaemons::power_cycle(wire::NodeId id) const {
       return false;  // not yet there
     }
   };
-  if (!wait_for(is_new, kComesUp)) throw NotDone("node " + node(id).name + " does not come back");
+  if (!wait_while_it_lives(id, is_new, kComesUp)) throw NotDone("node " + node(id).name + " does not come back");
   wait_for_hello(id);
 }
 
@@ -267,7 +282,9 @@ bool RunningDaemons::has_joined(wire::NodeId id) const {
 }
 
 void RunningDaemons::wait_for_hello(wire::NodeId id, milliseconds patience) const {
-  if (!wait_for([&] { return has_joined(id); }, patience)) throw not_joined(ring_, node(id).name, patience);
+  if (!wait_while_it_lives(
+          id, [&] { return has_joined(id); }, patience))
+    throw not_joined(ring_, node(id).name, patience);
 }
 
 }  // namespace limb_ring::live

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -54,13 +55,16 @@ class RunningDaemons {
   /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder. As
   /// wait_for_hello(); NotDone at once where the daemon ends instead.
   void start(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
-  /// As if its power went off and on; same pid. Then as wait_for_hello().
+  /// As if its power went off and on; same pid. Then as wait_for_hello(); NotDone at once where the daemon ends
+  /// instead.
   void power_cycle(wire::NodeId node) const;
-  /// Returns when the node has said hello. @throw NotDone where it has not within `patience`
+  /// Returns when the node has said hello. @throw NotDone where it has not within `patience`, or its daemon has ended
   void wait_for_hello(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
 
  private:
   HostPortError no_daemon(wire::NodeId node) const;
+  bool wait_while_it_lives(wire::NodeId node, const std::function<bool()>& condition,
+                           std::chrono::milliseconds patience) const;
   std::uint64_t boot_of(wire::NodeId node) const;
   bool has_joined(wire::NodeId node) const;
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout) const;

@@ -153,6 +153,11 @@ class Nodes(FaultTest):
         self.assertNotEqual(self.wait_cpu(1, 'running')['pid'], cpu)
         self.assertEqual(self.ping(0, 1)['delivered'], 20)
 
+    def test_a_power_cycle_is_waited_for_no_longer_than_the_daemon_lives(self):
+        self.start_ring(plain_nodes(3))
+        os.remove(os.path.join(self.folder, 'ring.yaml'))   # it starts anew, and ends
+        self.assertIn('the daemon of node node1 has ended', self.fault('power_cycle', 'node1', code=1))
+
     def test_a_power_cycle_of_all_over_udp_closes_the_ring_again(self):
         self.start_ring(self.udp_nodes(4), timeouts=QUICK)
         boots = [self.row(i)['boot'] for i in range(4)]
