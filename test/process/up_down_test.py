@@ -50,6 +50,7 @@ class UpDown(RingTest):
         for more in ['--detach'], []:
             failed = self.ctl('up', config, '--timeout', 2, *more)
             self.assertEqual(failed.returncode, 1)
+            self.assertIn('not closed within 2 s (--timeout); ', failed.stderr)
             self.assertIn('no_such_program', failed.stderr)
             self.assertFalse(os.path.exists(self.ring_folder()))
         self.assertEqual(self.ctl('up', config, '--timeout', 2, '--record').returncode, 1)

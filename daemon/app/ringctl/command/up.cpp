@@ -13,6 +13,7 @@
 #include "app/ringctl/stay.h"
 #include "app/ringctl/up_lock.h"
 #include "cli/values.h"
+#include "config/quantity.h"
 #include "config/ring_config.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -74,7 +75,8 @@ std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::Laun
     if (dead != nullptr) return signals.asked_to_end(milliseconds(0)) ? "interrupted" : dead->exit_reason();
     if (!waiting) return {};
     if (steady_clock::now() >= deadline)
-      return "not closed in time; " + waiting->lack + daemons.all()[plan.is_virtual ? 0 : waiting->index].last_lines();
+      return "not closed within " + config::format_real(timeout_s) + " s (--timeout); " + waiting->lack +
+             daemons.all()[plan.is_virtual ? 0 : waiting->index].last_lines();
     if (signals.asked_to_end(process::SignalWait::kTick)) return "interrupted";
     progress.tell("waiting for " + waiting->lack);
   }
