@@ -6,7 +6,7 @@ namespace limb_ring::process {
 
 SignalWait::SignalWait() {
   ::sigemptyset(&ours_);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) ::sigaddset(&ours_, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGCHLD}) ::sigaddset(&ours_, signal);
   ::sigprocmask(SIG_SETMASK, nullptr, &before_);
   hold();
   ::signal(SIGCHLD, SIG_DFL);  // where our parent ignores it, nobody would be told of a child's end, nor how it ended

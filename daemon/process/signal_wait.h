@@ -5,8 +5,8 @@
 
 namespace limb_ring::process {
 
-/// Holds back the signals that a parent of processes waits for (SIGINT, SIGTERM, SIGHUP, SIGCHLD) and hands them out
-/// one by one, so that nothing happens between two instructions.
+/// Holds back the signals that a parent of processes waits for (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGCHLD) and hands
+/// them out one by one, so that nothing happens between two instructions.
 class SignalWait {
  public:
   static constexpr std::chrono::milliseconds kTick{50};  ///< how soon Ctrl-C is seen
@@ -29,7 +29,9 @@ class SignalWait {
   bool asked_to_end(std::chrono::milliseconds timeout) const { return asks_to_end(next(timeout)); }
   /// One that asks to end came before, or is here now.
   bool was_asked_to_end() const { return asked_to_end(std::chrono::milliseconds(0)) || asked_; }
-  static bool asks_to_end(int signal) { return signal == SIGINT || signal == SIGTERM || signal == SIGHUP; }
+  static bool asks_to_end(int signal) {
+    return signal == SIGINT || signal == SIGTERM || signal == SIGHUP || signal == SIGQUIT;
+  }
 
  private:
   int note(int signal) const;

@@ -82,6 +82,16 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
         self.assertFalse(os.path.exists(self.ring_folder()))
 
+    def test_nothing_is_left_of_one_that_is_ended_while_it_starts(self):
+        config = self.write_ring(plain_nodes(2) + [{'id': 2, 'name': 'node2', 'cpu': {'command': ['sleep', '1000']}}])
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+            up = self.start('up', [ring_process.program('ringctl'), 'up', config, '--detach', '--timeout', '300'])
+            pids = [self.wait('a daemon', lambda: self.row(node))['pid'] for node in range(2)]
+            up.send_signal(number)
+            self.assertEqual(self.wait_exit(up), 1)
+            self.assertTrue(all(ring_process.is_gone(pid) for pid in pids))
+            self.assertFalse(os.path.exists(self.ring_folder()))
+
     def test_in_the_foreground_until_a_signal(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
