@@ -41,7 +41,7 @@ class OtherUsersRing(RingTest):
                 self.assertEqual(done.returncode, 3, command + ring)
                 self.assertIn('Permission denied', done.stderr, command + ring)
                 self.assertNotIn('no ring', done.stderr, command + ring)
-        for command in (['list'], ['down', '--all']):
+        for command in (['list'], ['down', '--all'], ['record', 'save', '/nowhere']):
             self.assertIn('Permission denied', self.ctl_of_nobody(*command).stderr, command)
         self._all_run(self.daemons)
         self.assertTrue(self.is_closed(self.daemons))

@@ -10,6 +10,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/recording_keeper.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/ring_folder.h"
 #include "app/ringctl/saved_lives.h"
 #include "app/ringctl/tell_user.h"
 #include "cli/values.h"
@@ -70,6 +71,7 @@ void require_empty(const fs::path& folder) {
 }
 
 int save(const RecordOptions& options, const Context& context) {
+  tell_unreadable_rings();
   const std::string ring = recorded_ring(context.ring);
   require_recordings(ring);
   require_empty(options.folder);
