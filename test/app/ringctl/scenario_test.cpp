@@ -54,6 +54,19 @@ TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
   EXPECT_THAT(said.errors, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
 }
 
+TEST_F(ScenarioCommand, AReportTellsOfAFileThatIsRefused) {
+  const std::string junit = folder + "/junit.xml";
+  for (const char* bad : {"scenario: x\nnodes: 4\nstep: []\n", "scenario: x\nnodes: 4\nsteps: []\n"}) {
+    const CliRun said = run_scenarios({write("good.yaml", kGood), write("bad.yaml", bad), "--junit", junit, "--json"});
+    EXPECT_EQ(said.code, kUsage);
+    EXPECT_EQ(said.out, "");
+    std::ostringstream xml;
+    xml << std::ifstream(junit).rdbuf();
+    EXPECT_THAT(xml.str(), AllOf(HasSubstr("tests=\"1\" failures=\"0\" errors=\"1\""), HasSubstr("bad: "),
+                                 HasSubstr("<error message=\"" + folder + "/bad.yaml:")));
+  }
+}
+
 TEST_F(ScenarioCommand, AScenarioThatExpectsNothingIsNotPassed) {
   const CliRun said = run_scenarios({write("idle.yaml", "scenario: x\nnodes: 4\nsteps: [{at: 1ms, do: {kill: 1}}]\n")});
   EXPECT_EQ(said.code, kUsage);

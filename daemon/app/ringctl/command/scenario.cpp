@@ -92,16 +92,13 @@ void require_expectation(const Scenario& scenario) {
                    "with when and within, or always, or never (docs/scenarios.md)");
 }
 
-// All files are read before the first is run: a bad one is known at once.
-std::vector<Scenario> load(const ScenarioOptions& options) {
-  std::vector<Scenario> scenarios;
-  for (const std::string& file : options.files) {
-    scenarios.push_back(scenario::load_scenario(file));
-    require_expectation(scenarios.back());
-    if (options.live) require_live(scenarios.back(), options.transport);
-    if (options.with_programs) require_virtual(scenarios.back(), {options.scenario_cpus, options.log});
-  }
-  return scenarios;
+/// @throw UsageError, ConfigError
+Scenario load(const std::string& file, const ScenarioOptions& options) {
+  Scenario scenario = scenario::load_scenario(file);
+  require_expectation(scenario);
+  if (options.live) require_live(scenario, options.transport);
+  if (options.with_programs) require_virtual(scenario, {options.scenario_cpus, options.log});
+  return scenario;
 }
 
 /// "40 scenarios: all as expected", or which were not.
@@ -149,12 +146,37 @@ void report_so_far(const std::vector<ScenarioRun>& runs, const ScenarioOptions& 
   tell_user(problem.what());
 }
 
+/// A build server, which looks at the report alone, learns of a file that is refused.
+void report_refused(const std::string& file, const std::string& why, const ScenarioOptions& options,
+                    std::ofstream& junit) try {
+  Scenario refused;
+  refused.path = refused.name = file;
+  if (junit.is_open()) finish(junit << scenario::junit_of({}, {refused}, why), options.junit);
+} catch (const NotDone& problem) {
+  tell_user(problem.what());
+}
+
+// All files are read before the first is run: a bad one is known at once.
+std::vector<Scenario> load_all(const ScenarioOptions& options, std::ofstream& junit) {
+  std::vector<Scenario> scenarios;
+  for (const std::string& file : options.files) {
+    try {
+      scenarios.push_back(load(file, options));
+    } catch (const std::exception& problem) {
+      report_refused(file, problem.what(), options, junit);
+      throw;
+    }
+  }
+  return scenarios;
+}
+
 int run(const ScenarioOptions& options) {
   if (const std::string problem = app::why_no_file(options.log); !problem.empty()) throw UsageError("--log " + problem);
   require_none_of(options.files, options.log);
   require_files_of_their_own(options);
-  const std::vector<Scenario> scenarios = load(options);
-  std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
+  std::ofstream junit = open_output(options.junit, options.files);
+  const std::vector<Scenario> scenarios = load_all(options, junit);
+  std::ofstream capture = open_capture(options);
   std::vector<ScenarioRun> runs;
   std::string log_problem;
   process::SignalWait signals;
