@@ -24,6 +24,10 @@ class RingTimeout(RingError, TimeoutError):
     """It did not happen in time."""
 
 
+class _NoNode(RingError):
+    """The ring has no such node."""
+
+
 def programs_folder():
     """Where ringd and ringctl are: LIMB_RING_PROGRAMS, beside this package, or on PATH."""
     found = shutil.which('ringctl')
@@ -54,7 +58,7 @@ def _place(what, value):
 
 def _no_node(node, rows):
     names = ', '.join('%d (%s)' % (row['id'], row['name']) if 'name' in row else str(row['id']) for row in rows)
-    return RingError('no node %s in this ring; it has: %s' % (node, names))
+    return _NoNode('no node %s in this ring; it has: %s' % (node, names))
 
 
 def _users_folder():
@@ -283,7 +287,14 @@ class Ring:
 
     def port(self, node, role='tool', **options):
         """A HostPort at a node, closed when the ring goes down; options as HostPort.connect(). On a virtual ring a
-        CPU here is not in lockstep unless told `lockstep=True`: what a test does elsewhere would hold the ring up."""
+        CPU here is not in lockstep unless told `lockstep=True`: what a test does elsewhere would hold the ring up.
+        @raise RingError where the ring has no such node, HostPortError"""
+        try:
+            self._known(str(node))
+        except _NoNode:
+            raise
+        except RingError:
+            pass   # no daemon answers (yet): connect() waits for it
         port = self._connect(node, role=role, **options)
         self._ports.append(port)
         return port

@@ -6,7 +6,8 @@ import time
 import pytest
 
 import limb_ring
-from limb_ring import BROADCAST, HostPort, HostPortError, HostPortTimeout, JointCommand, JointState, Packet, Result
+from limb_ring import (BROADCAST, HostPort, HostPortError, HostPortTimeout, JointCommand, JointState, Packet, Result,
+                       RingError)
 
 RING = {'ring': 'ports', 'nodes': [
     {'id': 0, 'name': 'body', 'cpu': 'attached', 'pins': {'3': 'notify'}},
@@ -123,8 +124,10 @@ def test_what_cannot_be_observed_is_refused_at_once(ring):
 @needs_ring
 def test_a_node_that_is_not_there_is_answered_with_those_that_are(ring):
     for node in 'kne', 7:
+        with pytest.raises(RingError, match='no node %s in this ring; it has: 0 .body., 1 .knee., 2 .spare.' % node):
+            ring.port(node, timeout=60)
         with pytest.raises(HostPortTimeout, match='nodes of this ring here: body, knee, spare'):
-            ring.port(node, timeout=0)
+            HostPort.connect(ring=ring.status()['ring'], node=node, runtime=ring.environment['XDG_RUNTIME_DIR'], timeout=0)
 
 
 @needs_ring
