@@ -7,7 +7,8 @@ import limb_ring
 
 def main():
     if len(sys.argv) == 2:
-        sys.exit('usage: echo_cpu.py [RING NODE]')
+        print('usage: echo_cpu.py [RING NODE]', file=sys.stderr)
+        sys.exit(2)
     ring, node = sys.argv[1:3] or ('', '')
     with limb_ring.HostPort.connect(ring=ring, node=node, role='cpu', alive_period=0.5) as port:
         print('CPU of node %d (%s) of ring %s' % (port.id, port.name, port.ring), flush=True)

@@ -49,7 +49,8 @@ class Joint:
 
 def main():
     if len(sys.argv) == 2:
-        sys.exit('usage: joint_cpu.py [RING NODE]')
+        print('usage: joint_cpu.py [RING NODE]', file=sys.stderr)
+        sys.exit(2)
     ring, node = sys.argv[1:3] or ('', '')
     joint = Joint()
     with limb_ring.HostPort.connect(ring=ring, node=node, role='cpu', alive_period=0.1) as port:

@@ -6,6 +6,7 @@ Answers every joint_states with joint_commands of the same stamp, which is what 
 live ring it works as well. Usually started by virtual_demo.launch. Parameters: ~step: s for a left and a right step
 (1.6); ~report: s between two lines that say how it walks (10; 0: none)
 """
+import argparse
 import math
 
 import rospy
@@ -61,6 +62,8 @@ class WalkController:
 
 
 if __name__ == '__main__':
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args(
+        rospy.myargv()[1:])   # first: init_node() waits for a master
     rospy.init_node('walk_controller')
     controller = WalkController(rospy.get_param('~step', 1.6), rospy.get_param('~report', 10.0))
     rospy.spin()

@@ -110,7 +110,7 @@ class Reset(RingTest):
                 for words in (['--help'], [self.ring]):
                     done = subprocess.run(program + words, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                           universal_newlines=True, timeout=ring_process.GUARD)
-                    self.assertNotEqual(done.returncode, 0)
+                    self.assertEqual(done.returncode, 2)
                     self.assertRegex(done.stderr, r'^usage: %s(\.py)? \[RING NODE\]\n$' % example)
 
     def test_attached_cpu_that_nobody_restarts_is_said_so(self):

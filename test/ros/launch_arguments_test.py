@@ -109,6 +109,15 @@ class LaunchArguments(unittest.TestCase):
         self.assertIn('play_bag: %s: No such file or directory' % bag,
                       roslaunch('nodes:=2', 'ring:=' + own_ring(), 'bag:=' + bag))
 
+    def test_the_controller_of_the_demonstration_says_what_it_is_without_a_master(self):
+        controller = os.path.join(HERE, 'examples', 'walk_controller.py')
+        nobody = dict(os.environ, ROS_MASTER_URI='http://localhost:1')
+        for words, code, said in ((['--help'], 0, '~step'), (['--steps'], 2, 'unrecognized arguments: --steps')):
+            done = subprocess.run([controller, *words], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  timeout=100, env=nobody)
+            self.assertEqual(done.returncode, code, done.stdout)
+            self.assertIn(said, done.stdout)
+
     def test_what_keeps_the_bridge_from_starting_is_said_and_ends_the_launch(self):
         for argument, said in (('bridge_node:=nobody', "no node 'nobody'"),
                                ('bridge_node:=neck', "node 'neck' has 'cpu: none'"),
