@@ -49,9 +49,10 @@ class RingStage : public Stage {
   /// When it is so much later than the start.
   core::Time at(core::Duration since_start) const { return start_ + since_start; }
   /// The promise that was broken, if one was.
-  static std::optional<Failure> failure_of(const std::optional<sim::Violation>& violation);
+  std::optional<Failure> failure_of(const std::optional<sim::Violation>& violation) const;
 
  private:
+  std::string with_names(const std::string& what) const;
   const core::Membership& membership(NodeId place) const { return ring_.controller(id_of(place)).membership(); }
   /// The CPU of that node of the ring asks for what the scenario has it send.
   virtual bool cpu_sends(NodeId id) const = 0;

@@ -11,8 +11,8 @@ constexpr std::size_t kMostComing = 1 << 15;
 
 std::string name(const PacketHeader& header, const PacketTrailer& tail) {
   return std::string(header.code.interrupt ? "INTP" : "DATP") + " of node " + std::to_string(header.source) + " to " +
-         std::to_string(tail.destination) + ", sequence " + std::to_string(header.code.sequence) + ", try " +
-         std::to_string(header.code.attempt);
+         (tail.destination == wire::kBroadcast ? "all" : "node " + std::to_string(tail.destination)) + ", sequence " +
+         std::to_string(header.code.sequence) + ", try " + std::to_string(header.code.attempt);
 }
 
 }  // namespace

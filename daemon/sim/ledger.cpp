@@ -10,7 +10,7 @@ using core::Outcome;
 
 std::string Sent::name() const {
   return std::string(interrupt() ? "INTP " : "DATP ") + std::to_string(token) + " of node " + std::to_string(source) +
-         " to " + (destination == wire::kBroadcast ? "all" : std::to_string(destination)) +
+         " to " + (destination == wire::kBroadcast ? "all" : "node " + std::to_string(destination)) +
          (interrupt() ? ", factor " + std::to_string(channel)
                       : ", priority " + std::to_string(queue) + ", " + std::to_string(size) + " bytes");
 }
