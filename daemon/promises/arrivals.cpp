@@ -21,6 +21,12 @@ void Arrivals::taken(std::uint8_t id, const Observation& seen) {
   if (!node.pending.empty() || !match(id, came, false)) node.pending.push_back(came);
 }
 
+/// Perhaps: whoever reads late finds seconds in one round, and a send that ended in the round in which the receiver
+/// became known may have been taken before that or after it.
+bool Arrivals::ended_before_known(std::uint8_t receiver, const Sent& sent) const {
+  return sent.ended && sent.ended_round <= ring_.at(receiver).known_round;
+}
+
 /// The first send of this content after the send that the receiver took last. INTPs of one factor are all alike, so
 /// for a pin the order is unknown. As a pin is pulled at once, a send that is open or has just ended is preferred; one
 /// that ended untaken, or long ago, counts only when every possible cause has been seen.
@@ -30,8 +36,7 @@ Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& 
   const std::uint64_t last = seen.kind == Kind::pin ? 0 : ring_.newest(receiver, seen.source, seen.queue);
   Sent* old = nullptr;
   for (auto it = flow->first_after(last); it != flow->sends.end(); ++it) {
-    const bool before_its_life = it->ended_round <= ring_.at(receiver).known_round;
-    if (it->ended && (it->outcome == Outcome::rejected || before_its_life)) continue;
+    if ((it->ended && it->outcome == Outcome::rejected) || ended_before_known(receiver, *it)) continue;
     const std::uint16_t taken = it->taken_in(receiver);
     const bool again = taken != 0 && (it->ended || taken == came.life);
     if (again || !it->asked.same_content(seen)) continue;
@@ -117,6 +122,7 @@ bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* fro
   const std::uint16_t taken = std::exchange(alike->taken_in(receiver), came.life);
   if (taken != 0 && taken != came.life) return true;  // a late copy, in another life of the receiver
   const bool twice = taken == came.life;
+  if (!twice && ended_before_known(receiver, *alike)) return report_.leave_unjudged(ring_.at(receiver).before);
   const std::string by = " node " + std::to_string(receiver);
   const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"
                            : seen.kind == Kind::pin ? ", has pulled its pin twice at" + by

@@ -19,7 +19,7 @@ void PromiseJudge::looks_at(std::uint8_t id, std::uint8_t state, std::chrono::na
                             std::int64_t at_ns) {
   SeenNode& node = ring_.at(id);
   node.known = true;
-  node.closing = false;
+  node.closing = node.after_loss = false;
   ring_.known.push_back(id);
   node.known_round = node.state_round = ring_.round;
   node.known_at = node.at = at_ns;
@@ -36,6 +36,7 @@ void PromiseJudge::looks_at(std::uint8_t id, std::uint8_t state, std::chrono::na
 }
 
 void PromiseJudge::ends(std::uint8_t id) {
+  ring_.at(id).after_loss = false;
   if (!ring_.at(id).known) return;
   leaves(id);
   sends_.cut_short(id);
@@ -54,11 +55,12 @@ void PromiseJudge::lost(std::uint8_t id, std::uint64_t count) {
   sends_.forget(id, Unjudged::observations_lost);
   ends(id);
   node.before = Unjudged::observations_lost;
-  looks_at(id, node.state, std::chrono::nanoseconds(node.longest_send), node.at);
+  node.after_loss = true;
 }
 
 void PromiseJudge::see(std::uint8_t id, const Observation& seen) {
   SeenNode& node = ring_.at(id);
+  if (node.after_loss) looks_at(id, node.state, std::chrono::nanoseconds(node.longest_send), seen.at_ns);
   if (!node.known) return;
   node.alive += std::clamp<std::int64_t>(seen.at_ns - node.at, 0, times_.step.count());
   node.at = seen.at_ns;

@@ -25,7 +25,7 @@ class PromiseJudge {
   /// From now on that node is seen. @param state as Observation::detail. @param longest_send see longest_send()
   void begins(std::uint8_t node, std::uint8_t state, std::chrono::nanoseconds longest_send, std::int64_t at_ns);
   void see(std::uint8_t node, const Observation& seen);
-  /// Observations of that node are missing here.
+  /// Observations of that node are missing here, perhaps of minutes: it is seen again from the next one on.
   void lost(std::uint8_t node, std::uint64_t count);
   /// Its daemon has ended or is ending. More of its observations may follow, and its next life may already send unseen.
   void closes(std::uint8_t node) { ring_.at(node).closing = true; }

@@ -86,6 +86,7 @@ struct Pending {
 /// A node, and what was seen at it.
 struct SeenNode {
   bool known = false, closing = false;
+  bool after_loss = false;                       ///< known again from the next observation on
   bool seen_before = false;                      ///< it has begun once at least
   Unjudged before = Unjudged::receiver_unknown;  ///< why what was at it before `known_at` is not judged
   Round known_round = 0, flushed_round = 0, state_round = 0, empty_round = 0, seen_round = 0;

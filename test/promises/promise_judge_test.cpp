@@ -215,6 +215,39 @@ TEST_F(JudgeTest, lostObservationsSuspendJudgementAndAreCounted) {
   EXPECT_EQ(unjudged(Unjudged::receiver_restarted), 0u);
 }
 
+TEST_F(JudgeTest, whoHasNotReadForAMinuteSeesNodesAgainFromThenOn) {
+  now += 60'000'000'000;
+  judge.lost(1, 100'000);
+  judge.lost(2, 100'000);
+  end(1, 2, 5, Outcome::delivered);  // what was asked for meanwhile was lost
+  take(2, 1, 6);
+  rounds(10);
+  end(1, 2, 6, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+  rounds(200);
+  take(2, 1, 12345);
+  rounds(10);
+  EXPECT_THAT(broken(), ElementsAre(Promise::undamaged));
+}
+
+TEST_F(JudgeTest, whoReadsSecondsInOneRoundCannotTellTheirOrder) {
+  const auto empty = [this] {
+    Observation seen = of(Kind::goes_on);
+    seen.detail = 1;
+    judge.see(2, seen);
+  };
+  judge.lost(2, 10);
+  empty();
+  now += 3'000'000'000;
+  empty();
+  ask(1, 2, 5);
+  end(1, 2, 5, Outcome::delivered);  // all of node 1 is read before all of node 2
+  take(2, 1, 5);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
 TEST_F(JudgeTest, whatOtherNodesSeeFirstWaitsForItsCause) {
   take(2, 1, 5);  // read before what node 1 has written
   rounds(1);
