@@ -361,10 +361,10 @@ void Ledger::check_measures(const Sent& sent) {
                                         std::to_string(core::picoseconds(seen)) + " were seen");
   const Outstanding& outstanding = sources_[sent.source].outstanding[sent.interrupt() ? 1 : 0];
   const unsigned under_way = outstanding.unknown();  // perhaps its own
-  // A node that starts over in the instant of a try takes it off the line unseen, as does one that folds in an open
-  // chain.
-  const bool folds = fold_back_ && sent.end.outcome == Outcome::unconfirmed;
-  const unsigned unseen = folds || sent.end.outcome == Outcome::cancelled ? 1 : 0;
+  // A node that starts over or folds in the instant of a try takes it off the line unseen. (protocol.md section 8.10)
+  // If another try follows, its number tells of this one, too.
+  const bool unheard = sent.end.outcome == Outcome::unconfirmed || sent.end.outcome == Outcome::lost;
+  const unsigned unseen = (fold_back_ && unheard) || sent.end.outcome == Outcome::cancelled ? 1 : 0;
   for (const unsigned unknown : {0u, under_way, outstanding.before, unseen})
     if (sent.end.tries == sent.tries + unknown) return;
   complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +

@@ -156,6 +156,11 @@ TEST(RandomFaults, BreakNoPromiseWhereANodeStartsBetweenTwoCopies) { expect_no_b
 // Another: a joining node heard a fold and its end, and so said another hello, before the first one was home.
 TEST(RandomFaults, BreakNoPromiseWhereAFoldComesBeforeTheHelloIsHome) { expect_no_breach({3829222620}); }
 
+// Another: a node turned its output back in the instant of a try, which so was on no line, and ended lost.
+TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesATryOffTheLine) {
+  expect_no_breach({3830314061}, RandomFaults::FoldBack::all);
+}
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
