@@ -161,6 +161,12 @@ TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesATryOffTheLine) {
   expect_no_breach({3830314061}, RandomFaults::FoldBack::all);
 }
 
+// Others: the first try of an INTP ended so, and its retry had the number of the INTP before, which had ended.
+TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesAFirstTryOffTheLine) {
+  expect_no_breach({3829432662});
+  expect_no_breach({3830504090}, RandomFaults::FoldBack::all);
+}
+
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
