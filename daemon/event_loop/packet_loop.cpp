@@ -1,5 +1,6 @@
 #include "event_loop/packet_loop.h"
 
+#include <sched.h>
 #include <sys/epoll.h>
 
 #include <boost/asio/post.hpp>
@@ -16,6 +17,8 @@ constexpr int kMostEvents = 32;
 /// Packets pass once something has come so many times in a row, each within kColdPeriod of the last. Fewer are not
 /// worth run_hot(): the beacons of a quiet ring come in handfuls.
 constexpr unsigned kTraffic = 8;
+/// Of so many turns after which others are run first, one sleeps instead: seldom, since that costs two switches more.
+constexpr unsigned kSleepsEvery = 127;
 
 int make_set() {
   const int set = ::epoll_create1(EPOLL_CLOEXEC);
@@ -145,13 +148,13 @@ void PacketLoop::end_turn() {
 
 // ---- running ------------------------------------------------------------------------------
 
-void PacketLoop::run(std::chrono::nanoseconds spin) {
+void PacketLoop::run(Patience patience) {
   running_ = true;
   while (!io_.stopped()) {
     if (has_work())
       catch_up();
     else if (hot_)
-      run_hot(spin);
+      run_hot(patience);
     else
       io_.run_one();  // nothing passes: whatever comes first
   }
@@ -160,16 +163,17 @@ void PacketLoop::run(std::chrono::nanoseconds spin) {
 
 // For each wait with a time-out the kernel sets a timer, which on a virtual machine costs more than all else. One timer
 // that ticks all the time is cheap.
-void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
+void PacketLoop::run_hot(Patience patience) {
   take_from_asio();
   set_timer(cold_timer_.get(), 0, kQuietPeriod, kQuietPeriod);
   Clock::time_point last_packet = Clock::now();
   bool packets = true;  // since the last tick
   while (!io_.stopped()) {
-    const bool spins = spin.count() != 0 && Clock::now() - last_packet < spin;
+    const bool spins = patience.spin.count() != 0 && Clock::now() - last_packet < patience.spin;
     if (turn(!spins && !has_work())) {
       packets = true;
-      if (spin.count() != 0) last_packet = Clock::now();
+      if (patience.spin.count() != 0) last_packet = Clock::now();
+      if (patience.lets_others_run && !has_work()) let_others_run();
     }
     poll_asio_when_due();
     if (!std::exchange(cold_due_, false)) continue;
@@ -179,6 +183,14 @@ void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
   set_timer(cold_timer_.get(), 0, {}, {});
   hot_ = false;
   let_asio_wait();
+}
+
+// What they send is there then, and nobody had to put this process to sleep or to wake it. Of many that do so, each has
+// its turn once a round, in an order that stays. A process that sleeps instead, and is woken by the one before it in
+// the ring, comes right behind that. So all sleep now and then: else packets may wait for a round at some hops for
+// ever.
+void PacketLoop::let_others_run() {
+  if (++turns_ % kSleepsEvery != 0) ::sched_yield();
 }
 
 void PacketLoop::poll_asio_when_due() {

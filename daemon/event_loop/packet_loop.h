@@ -34,9 +34,14 @@ class PacketLoop final : public boost::asio::execution_context::service {
   /// Called by of() only. @throw std::system_error
   explicit PacketLoop(boost::asio::execution_context& io);
 
-  /// Runs everything until the io_context is stopped. A core that has nothing else to do may look for packets for
-  /// `spin` before it sleeps.
-  void run(std::chrono::nanoseconds spin = {});
+  /// How it waits for packets while they pass. (ours)
+  struct Patience {
+    std::chrono::nanoseconds spin{};  ///< looks for them for so long first: for a core that has nothing else to do
+    bool lets_others_run = false;     ///< all others that want its core are run first: for one that only the ring has
+  };
+  /// Runs everything until the io_context is stopped.
+  void run() { run(Patience{}); }
+  void run(Patience patience);
 
   /// Calls `call` at the end of this turn, when all that is ready has been read, so that what a turn leads to is
   /// written together.
@@ -62,7 +67,8 @@ class PacketLoop final : public boost::asio::execution_context::service {
   void catch_up();
   void finish_soon();
   bool has_work() const { return !again_.empty() || !at_turn_end_.empty(); }
-  void run_hot(std::chrono::nanoseconds spin);
+  void run_hot(Patience patience);
+  void let_others_run();
   void poll_asio_when_due();
   void let_asio_wait();
   void take_from_asio();
@@ -83,6 +89,7 @@ class PacketLoop final : public boost::asio::execution_context::service {
   bool hot_ = false;  ///< packets pass: run() waits for the set itself
   bool posted_ = false;
   bool cold_due_ = false;
+  unsigned turns_ = 0;  ///< after which others may be run first
 };
 
 }  // namespace limb_ring::event_loop

@@ -16,7 +16,16 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-struct Loop : testing::TestWithParam<bool> {
+enum class How { own_run, lets_others_run, asios_run };
+
+void run_loop(boost::asio::io_context& io, How how) {
+  if (how == How::asios_run)
+    io.run();
+  else
+    PacketLoop::of(io).run({{}, how == How::lets_others_run});
+}
+
+struct Loop : testing::TestWithParam<How> {
   boost::asio::io_context io;
   process::UniqueFd fd{::eventfd(0, EFD_NONBLOCK)};
   boost::asio::steady_timer guard{io, std::chrono::seconds(30)};
@@ -26,12 +35,16 @@ struct Loop : testing::TestWithParam<bool> {
     guard.async_wait([this](const boost::system::error_code& error) {
       if (!error) io.stop();
     });
-    GetParam() ? PacketLoop::of(io).run() : static_cast<void>(io.run());
+    run_loop(io, GetParam());
   }
   void signal() { ::eventfd_write(fd.get(), 1); }
 };
-INSTANTIATE_TEST_SUITE_P(With, Loop, testing::Values(true, false),
-                         [](const auto& with) { return with.param ? "ItsOwnRun" : "AsiosRun"; });
+INSTANTIATE_TEST_SUITE_P(With, Loop, testing::Values(How::own_run, How::lets_others_run, How::asios_run),
+                         [](const auto& with) {
+                           return with.param == How::own_run           ? "ItsOwnRun"
+                                  : with.param == How::lets_others_run ? "ItsOwnRunThatLetsOthersRun"
+                                                                       : "AsiosRun";
+                         });
 
 TEST_P(Loop, CallsOncePerSignal) {
   int calls = 0;
@@ -152,7 +165,7 @@ TEST_P(Loop, EndsByItselfWhereNothingIsWatched) {
   guard.cancel();
   Watch watch(io, fd.get(), EPOLLIN, [&](std::uint32_t) { watch.stop(); });
   signal();
-  GetParam() ? PacketLoop::of(io).run() : static_cast<void>(io.run());
+  run_loop(io, GetParam());
   EXPECT_TRUE(io.stopped());
 }
 
