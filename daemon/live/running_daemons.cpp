@@ -163,9 +163,11 @@ pid_t RunningDaemons::pid_here(wire::NodeId id) const {
   const Holder holder = this->holder(id);
   if (!holder.held) throw no_daemon(id);
   // No process, or one of the kernel's, has a number that is of another pid namespace.
-  std::error_code unseen;
-  if (holder.pid > 0) std::filesystem::read_symlink("/proc/" + std::to_string(holder.pid) + "/exe", unseen);
-  if (holder.pid <= 0 || unseen == std::errc::no_such_file_or_directory)
+  std::error_code unknown;
+  const auto has_program = [&] {
+    return std::filesystem::exists("/proc/" + std::to_string(holder.pid) + "/exe", unknown) || unknown;
+  };
+  if (holder.pid <= 0 || !has_program())
     throw NotDone("the daemon of node " + node(id).name +
                   " is not among the processes that are seen from here, as where it runs in a container: do it there");
   return holder.pid;
