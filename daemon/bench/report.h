@@ -16,8 +16,7 @@ namespace limb_ring::bench {
 
 /// One thing measured in every way, beside the reference of the same rounds.
 struct Row {
-  /// reference, unix, shm, watched, recorded, judged, udp, keyed, cpu_to_cpu, batch, placed, spin_reference, spin,
-  /// relay_chain
+  /// reference, unix, shm, watched, recorded, judged, udp, keyed, cpu_to_cpu, placed, spin_reference, spin, relay_chain
   std::string what;
   Pinning pinning = Pinning::one_core;
   Sending sending = Sending::one;

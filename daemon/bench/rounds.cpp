@@ -61,7 +61,6 @@ void Rounds::run_round(const Files& files, bool odd) {
   if (setup_.wants("judged")) judged(odd);
   if (pinning_ == Pinning::one_core) {
     if (setup_.wants("recorded")) recorded(odd);
-    ring("batch", {write_realtime(folder_, setup_.nodes, "{batch: true}"), "shm", pinning_});
   } else {
     ring("placed", {write_realtime(folder_, setup_.nodes, "{cores: auto, fifo: 10}"), "shm", pinning_});
     if (setup_.wants("spin") && spin_nodes(setup_) != 0) spin();

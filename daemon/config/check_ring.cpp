@@ -21,11 +21,6 @@ void check_idle(const Entry& file, const Timeouts& timeouts) {
               "an idle of at most half of silence");
 }
 
-void check_realtime(const Entry& file, const Realtime& realtime) {
-  if (realtime.batch && realtime.fifo > 0)
-    file.find("realtime")->find("batch")->refuse("is true, and there is a fifo priority", "one of the two");
-}
-
 void check_part_names(const Entry& file, const RingConfig& ring) {
   std::set<std::string> joints, sensors;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
@@ -204,7 +199,6 @@ std::string unkeyed_line(const RingConfig& ring) {
 
 void check_ring(const Entry& file, const RingConfig& ring) {
   check_idle(file, ring.timeouts);
-  check_realtime(file, ring.realtime);
   check_part_names(file, ring);
   check_parts_have_cpu(file, ring);
   check_hosts(file, ring);

@@ -208,7 +208,6 @@ struct Realtime {
   std::vector<unsigned> cores;  ///< pin the daemons there; empty: anywhere
   bool auto_cores = false;      ///< a core for each daemon, neighbours together
   int fifo = 0;                 ///< SCHED_FIFO priority 1..99; 0: off
-  bool batch = false;           ///< SCHED_BATCH, and others of its core are run first; not with fifo
   bool lock_memory = false;
   nanoseconds spin{0};  ///< look for packets for so long before sleeping
 };

@@ -80,15 +80,11 @@ void read_cores(const Entry& entry, Realtime& realtime) {
 const Section<Realtime>& realtime_section() {
   static const Section<Realtime> section{
       {"cores", "[]", "auto, or a list of CPU cores, each 0 to 1023",
-       "The daemons run on these cores only; all on one is the fastest for one packet. auto: each on one core, "
-       "neighbours together: the fastest under load. Empty: anywhere; with --clock virtual the ring and its CPUs "
-       "share the core they start on.",
+       "The daemons run on these cores only; all on one, where nothing else computes, is the fastest for one packet. "
+       "auto: each on one core, neighbours together: the fastest under load. Empty: anywhere; with --clock virtual the "
+       "ring and its CPUs share the core they start on.",
        read_cores},
       integer_option("fifo", &Realtime::fifo, {0, 99}, "SCHED_FIFO priority of the daemons; 0 is off."),
-      flag_option("batch", &Realtime::batch,
-                  "SCHED_BATCH: a daemon that is woken waits until what runs on its core sleeps, and lets all others "
-                  "run before it sleeps (sched_yield). Faster where only the ring runs there, slower where something "
-                  "computes; needs no rights. Not with `fifo`."),
       flag_option("lock_memory", &Realtime::lock_memory, "Keep the daemons' memory from being paged out (mlockall)."),
       time_option("spin", &Realtime::spin, 0s, 10ms,
                   "A daemon looks for packets for so long before it sleeps: for a core of its own."),

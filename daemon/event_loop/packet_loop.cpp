@@ -1,6 +1,5 @@
 #include "event_loop/packet_loop.h"
 
-#include <sched.h>
 #include <sys/epoll.h>
 
 #include <boost/asio/post.hpp>
@@ -17,8 +16,6 @@ constexpr int kMostEvents = 32;
 /// Packets pass once something has come so many times in a row, each within kColdPeriod of the last. Fewer are not
 /// worth run_hot(): the beacons of a quiet ring come in handfuls.
 constexpr unsigned kTraffic = 8;
-/// Of so many turns after which others are run first, one sleeps instead: seldom, since that costs two switches more.
-constexpr unsigned kSleepsEvery = 127;
 
 int make_set() {
   const int set = ::epoll_create1(EPOLL_CLOEXEC);
@@ -148,13 +145,13 @@ void PacketLoop::end_turn() {
 
 // ---- running ------------------------------------------------------------------------------
 
-void PacketLoop::run(Patience patience) {
+void PacketLoop::run(std::chrono::nanoseconds spin) {
   running_ = true;
   while (!io_.stopped()) {
     if (has_work())
       catch_up();
     else if (hot_)
-      run_hot(patience);
+      run_hot(spin);
     else
       io_.run_one();  // nothing passes: whatever comes first
   }
@@ -163,38 +160,35 @@ void PacketLoop::run(Patience patience) {
 
 // For each wait with a time-out the kernel sets a timer, which on a virtual machine costs more than all else. One timer
 // that ticks all the time is cheap.
-void PacketLoop::run_hot(Patience patience) {
+void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
   take_from_asio();
   set_timer(cold_timer_.get(), 0, kQuietPeriod, kQuietPeriod);
+  sharing_.begin();
   Clock::time_point last_packet = Clock::now();
   bool packets = true;  // since the last tick
   while (!io_.stopped()) {
-    const bool spins = patience.spin.count() != 0 && Clock::now() - last_packet < patience.spin;
-    if (turn(!spins && !has_work())) {
+    const bool spins = spin.count() != 0 && Clock::now() - last_packet < spin;
+    const bool any = turn(!spins && !sharing_.have_run() && !has_work());
+    const Clock::time_point now = Clock::now();
+    sharing_.after_turn(now, any);
+    poll_asio_when_due(now);
+    const bool expects_answer = std::exchange(expects_answer_, false);
+    if (any) {
       packets = true;
-      if (patience.spin.count() != 0) last_packet = Clock::now();
-      if (patience.lets_others_run && !has_work()) let_others_run();
+      last_packet = now;
+      if (!expects_answer && spin.count() == 0 && !has_work()) sharing_.let_others_run(now);
     }
-    poll_asio_when_due();
     if (!std::exchange(cold_due_, false)) continue;
     tick_again(cold_timer_.get());
     if (!std::exchange(packets, false) && !has_work()) break;
   }
+  sharing_.end();
   set_timer(cold_timer_.get(), 0, {}, {});
   hot_ = false;
   let_asio_wait();
 }
 
-// What they send is there then, and nobody had to put this process to sleep or to wake it. Of many that do so, each has
-// its turn once a round, in an order that stays. A process that sleeps instead, and is woken by the one before it in
-// the ring, comes right behind that. So all sleep now and then: else packets may wait for a round at some hops for
-// ever.
-void PacketLoop::let_others_run() {
-  if (++turns_ % kSleepsEvery != 0) ::sched_yield();
-}
-
-void PacketLoop::poll_asio_when_due() {
-  const Clock::time_point now = Clock::now();
+void PacketLoop::poll_asio_when_due(Clock::time_point now) {
   if (now - last_polled_ < kColdPeriod) return;
   last_polled_ = now;
   io_.poll();

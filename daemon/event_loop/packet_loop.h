@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "event_loop/core_sharing.h"
 #include "event_loop/watch.h"
 #include "process/unique_fd.h"
 
@@ -34,20 +35,19 @@ class PacketLoop final : public boost::asio::execution_context::service {
   /// Called by of() only. @throw std::system_error
   explicit PacketLoop(boost::asio::execution_context& io);
 
-  /// How it waits for packets while they pass. (ours)
-  struct Patience {
-    std::chrono::nanoseconds spin{};  ///< looks for them for so long first: for a core that has nothing else to do
-    bool lets_others_run = false;     ///< all others that want its core are run first: for one that only the ring has
-  };
   /// Runs everything until the io_context is stopped.
-  void run() { run(Patience{}); }
-  void run(Patience patience);
+  /// @param spin looks for packets for so long before it waits: for a core that has nothing else to do. Where it is 0,
+  ///        it shares its core as CoreSharing says.
+  void run(std::chrono::nanoseconds spin = {});
 
   /// Calls `call` at the end of this turn, when all that is ready has been read, so that what a turn leads to is
   /// written together.
   void at_turn_end(std::function<void()> call);
   /// Packets pass: the process is awake now, and will be again in a moment.
   bool packets_pass() const { return hot_; }
+  /// A process of this host has been given something, such as the node's CPU, and may answer: this one then sleeps
+  /// after this turn, and is woken by it. If it let all others run first, the answer would wait for them.
+  void expect_answer() { expects_answer_ = true; }
 
  private:
   friend class Watch;
@@ -67,9 +67,8 @@ class PacketLoop final : public boost::asio::execution_context::service {
   void catch_up();
   void finish_soon();
   bool has_work() const { return !again_.empty() || !at_turn_end_.empty(); }
-  void run_hot(Patience patience);
-  void let_others_run();
-  void poll_asio_when_due();
+  void run_hot(std::chrono::nanoseconds spin);
+  void poll_asio_when_due(Clock::time_point now);
   void let_asio_wait();
   void take_from_asio();
 
@@ -89,7 +88,8 @@ class PacketLoop final : public boost::asio::execution_context::service {
   bool hot_ = false;  ///< packets pass: run() waits for the set itself
   bool posted_ = false;
   bool cold_due_ = false;
-  unsigned turns_ = 0;  ///< after which others may be run first
+  CoreSharing sharing_;
+  bool expects_answer_ = false;  ///< in this turn
 };
 
 }  // namespace limb_ring::event_loop

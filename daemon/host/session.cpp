@@ -221,6 +221,7 @@ void Session::flush() {
   if (!open()) return;
   watch_.set_events(input_events());
   const int error = write_now();
+  loop_.expect_answer();
   if (error != 0 && !would_block(error)) return fail(SessionOwner::End::closed);
   if (!out_.empty()) return wait_writable();
   tell_observed_lost();

@@ -91,11 +91,12 @@ void redirect(int output) {
   ::dup2(output, STDERR_FILENO);
 }
 
-/// A daemon under SCHED_FIFO must not hand its priority to a CPU that may spin.
+/// A daemon under SCHED_FIFO must not hand its priority to a CPU that may spin; SCHED_BATCH is the daemon's own.
 void leave_realtime(const std::optional<cpu_set_t>& affinity) {
   const int policy = ::sched_getscheduler(0);
   const sched_param ordinary{};
-  if (policy == SCHED_FIFO || policy == SCHED_RR) ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
+  if (policy == SCHED_FIFO || policy == SCHED_RR || policy == SCHED_BATCH)
+    ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
   if (affinity) ::sched_setaffinity(0, sizeof *affinity, &*affinity);
 }
 

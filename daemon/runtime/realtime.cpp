@@ -35,13 +35,6 @@ void ask_for_fifo(int priority) {
     spdlog::warn("realtime.fifo: {} (needs CAP_SYS_NICE or an rtprio limit); going on without", std::strerror(errno));
 }
 
-/// Its CPU goes on as before.
-void ask_for_batch() {
-  const sched_param param{};
-  if (sched_setscheduler(0, SCHED_BATCH | SCHED_RESET_ON_FORK, &param) != 0)
-    spdlog::warn("realtime.batch: {}; going on without", std::strerror(errno));
-}
-
 void lock_memory() {
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
     spdlog::warn("realtime.lock_memory: {} (needs CAP_IPC_LOCK or a memlock limit); going on without",
@@ -59,7 +52,6 @@ void apply_realtime(const config::RingConfig& ring, std::size_t place) {
   if (realtime.auto_cores) pin_to({core_of(place, ring.nodes.size(), allowed_cores())});
   if (!realtime.cores.empty()) pin_to(realtime.cores);
   if (realtime.fifo > 0) ask_for_fifo(realtime.fifo);
-  if (realtime.batch) ask_for_batch();
   if (realtime.lock_memory) lock_memory();
 }
 

@@ -83,12 +83,6 @@ TEST(RingFile, SetsFirmwareBridgeAndRealtime) {
   EXPECT_FALSE(ring.realtime.auto_cores);
 }
 
-TEST(RingFile, TakesEitherBatchOrFifo) {
-  EXPECT_TRUE(read(two_nodes("realtime: {batch: true}\n")).realtime.batch);
-  EXPECT_THAT(refusal_of(two_nodes("realtime: {batch: true, fifo: 10}\n")),
-              HasSubstr("is true, and there is a fifo priority; allowed: one of the two"));
-}
-
 TEST(RingFile, ChoosesTheCoresWhereTheyAreAuto) {
   EXPECT_TRUE(read(two_nodes("realtime: {cores: auto}\n")).realtime.auto_cores);
 }

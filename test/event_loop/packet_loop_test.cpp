@@ -16,13 +16,13 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-enum class How { own_run, lets_others_run, asios_run };
+enum class How { own_run, own_run_with_spin, asios_run };
 
 void run_loop(boost::asio::io_context& io, How how) {
   if (how == How::asios_run)
     io.run();
   else
-    PacketLoop::of(io).run({{}, how == How::lets_others_run});
+    PacketLoop::of(io).run(how == How::own_run_with_spin ? milliseconds(1) : milliseconds(0));
 }
 
 struct Loop : testing::TestWithParam<How> {
@@ -39,11 +39,11 @@ struct Loop : testing::TestWithParam<How> {
   }
   void signal() { ::eventfd_write(fd.get(), 1); }
 };
-INSTANTIATE_TEST_SUITE_P(With, Loop, testing::Values(How::own_run, How::lets_others_run, How::asios_run),
+INSTANTIATE_TEST_SUITE_P(With, Loop, testing::Values(How::own_run, How::own_run_with_spin, How::asios_run),
                          [](const auto& with) {
-                           return with.param == How::own_run           ? "ItsOwnRun"
-                                  : with.param == How::lets_others_run ? "ItsOwnRunThatLetsOthersRun"
-                                                                       : "AsiosRun";
+                           return with.param == How::own_run             ? "ItsOwnRun"
+                                  : with.param == How::own_run_with_spin ? "ItsOwnRunWithSpin"
+                                                                         : "AsiosRun";
                          });
 
 TEST_P(Loop, CallsOncePerSignal) {

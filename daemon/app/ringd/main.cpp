@@ -64,7 +64,7 @@ int run(const config::RingConfig& ring, const config::NodeConfig& config) {
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   end_on_signals(signals, io, node);
   node.start();
-  event_loop::PacketLoop::of(io).run({ring.realtime.spin, ring.realtime.batch});
+  event_loop::PacketLoop::of(io).run(ring.realtime.spin);
   return 0;
 }
 

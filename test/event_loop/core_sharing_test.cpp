@@ -1,0 +1,120 @@
+#include "event_loop/core_sharing.h"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <algorithm>
+
+namespace limb_ring::event_loop {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Time = YieldTimes::Time;
+
+/// `time` after the begin of a period, long after the machine's start.
+Time at(YieldTimes::Duration time) { return Time{} + 1000 * YieldTimes::kPeriod + time; }
+
+TEST(YieldTimes, AllSleepAtTheBeginOfAPeriod) {
+  YieldTimes times;
+  EXPECT_FALSE(times.due(at(milliseconds(0))));
+  EXPECT_FALSE(times.due(at(YieldTimes::kSleepFor) - Time::duration(1)));
+  EXPECT_TRUE(times.due(at(YieldTimes::kSleepFor)));
+  times.was_useful(at(YieldTimes::kPeriod));
+  EXPECT_FALSE(times.due(at(YieldTimes::kPeriod)));
+}
+
+TEST(YieldTimes, IsGivenUpForAPeriodWhereNothingComesOfIt) {
+  YieldTimes times;
+  ASSERT_TRUE(times.due(at(milliseconds(10))));
+  times.was_useful(at(milliseconds(12)));
+  EXPECT_TRUE(times.due(at(milliseconds(12) + YieldTimes::kPatience - milliseconds(1))));
+  EXPECT_FALSE(times.due(at(milliseconds(12) + YieldTimes::kPatience)));
+  EXPECT_FALSE(times.due(at(YieldTimes::kPeriod - milliseconds(1))));
+  EXPECT_TRUE(times.due(at(YieldTimes::kPeriod + YieldTimes::kSleepFor)));
+}
+
+TEST(YieldTimes, PausesWhereSomethingComputesTwiceAsLongEachTime) {
+  YieldTimes times;
+  const auto slow = YieldTimes::kLongestRound + milliseconds(1);
+  Time now = at(milliseconds(10));
+  times.came_back(now, now + YieldTimes::kLongestRound);
+  EXPECT_TRUE(times.alone(now + YieldTimes::kLongestRound));
+
+  for (auto pause = YieldTimes::kFirstPause; pause < 2 * YieldTimes::kLongestPause; pause *= 2) {
+    times.came_back(now, now + slow);
+    now += slow + std::min(pause, YieldTimes::kLongestPause);
+    EXPECT_FALSE(times.alone(now - Time::duration(1)));
+    EXPECT_FALSE(times.due(now - Time::duration(1)));
+    EXPECT_TRUE(times.alone(now));
+  }
+}
+
+TEST(YieldTimes, APauseLongAgoIsForgotten) {
+  YieldTimes times;
+  const auto slow = YieldTimes::kLongestRound + milliseconds(1);
+  const Time first = at(milliseconds(10)), second = first + seconds(60);
+  times.came_back(first, first + slow);
+  times.came_back(second, second + slow);
+  EXPECT_FALSE(times.alone(second + slow + YieldTimes::kFirstPause - Time::duration(1)));
+  EXPECT_TRUE(times.alone(second + slow + YieldTimes::kFirstPause));
+}
+
+/// On one core, which is given back in the end.
+struct CoreSharingOnOneCore : testing::Test {
+  cpu_set_t before{};
+  CoreSharing sharing;
+
+  void SetUp() override {
+    if (::sched_getscheduler(0) != SCHED_OTHER) GTEST_SKIP() << "these tests do not run under SCHED_OTHER";
+    ASSERT_EQ(::sched_getaffinity(0, sizeof before, &before), 0);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(::sched_getcpu(), &one);
+    ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
+  }
+  void TearDown() override { ::sched_setaffinity(0, sizeof before, &before); }
+};
+
+TEST_F(CoreSharingOnOneCore, InterruptsNobodyWhilePacketsPass) {
+  sharing.begin();
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
+  sharing.let_others_run(at(milliseconds(10)));
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_BATCH);
+  EXPECT_TRUE(sharing.have_run());
+  sharing.after_turn(at(milliseconds(10)), true);
+  EXPECT_FALSE(sharing.have_run());
+  sharing.end();
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
+}
+
+TEST_F(CoreSharingOnOneCore, SleepsAtTheBeginOfAPeriod) {
+  sharing.begin();
+  sharing.let_others_run(at(milliseconds(0)));
+  EXPECT_FALSE(sharing.have_run());
+  sharing.end();
+}
+
+TEST_F(CoreSharingOnOneCore, KeepsThePolicyItWasGiven) {
+  const sched_param ordinary{};
+  ASSERT_EQ(::sched_setscheduler(0, SCHED_BATCH, &ordinary), 0);
+  sharing.begin();
+  sharing.let_others_run(at(milliseconds(10)));
+  EXPECT_TRUE(sharing.have_run());
+  sharing.end();
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_BATCH);
+  ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
+}
+
+TEST_F(CoreSharingOnOneCore, OnlySleepsWhereThereAreCoresToChooseFrom) {
+  if (CPU_COUNT(&before) == 1) GTEST_SKIP() << "there is one core";
+  ASSERT_EQ(::sched_setaffinity(0, sizeof before, &before), 0);
+  sharing.begin();
+  sharing.let_others_run(at(milliseconds(10)));
+  EXPECT_FALSE(sharing.have_run());
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
+  sharing.end();
+}
+
+}  // namespace
+}  // namespace limb_ring::event_loop
