@@ -57,12 +57,12 @@ void DatagramInput::take_slices(const LinkHeader& header, wire::ByteView bytes, 
     if (!take_up(session, header, now)) return;
   }
   if (closed_) return;
-  silence_.heard();
   const SequenceCheck::Arrival arrival = sequence_.check(header.sequence);
-  if (!arrival.fresh) {
+  if (!arrival.fresh) {  // no sign of life: where nothing else comes, one forged number has put all of them in the past
     ++report_.counters.datagrams_duplicate;
     return;
   }
+  silence_.heard();
   report_.counters.datagrams_lost += arrival.lost;
   if (arrival.lost != 0) gap();
   hand_on(bytes);

@@ -219,6 +219,18 @@ TEST_F(DatagramInputFromHand, TellsThatItLivesAndIsLostOnSilence) {
   EXPECT_EQ(report.counters.silences, 1u);
 }
 
+TEST_F(DatagramInputFromHand, IsLostWhereNothingButOldDatagramsCome) {
+  datagram(1u << 30, 2);  // somebody's, of the session, and far ahead
+  for (std::uint32_t i = 2; i <= 4; ++i) {
+    datagram(i, {});
+    tick();
+  }
+  datagram(5, {});
+  tick();
+  EXPECT_EQ(heard.log.back(), "lost: silent");
+  EXPECT_EQ(report.counters.silences, 1u);
+}
+
 TEST_F(DatagramInputFromHand, HangsUpAndIsQuietOnceItIsClosed) {
   input.close();
   EXPECT_EQ(answers.back().refusal, Refusal::closing);
