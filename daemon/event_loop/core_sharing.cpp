@@ -7,11 +7,12 @@
 
 namespace limb_ring::event_loop {
 
-bool YieldTimes::due(Time now) {
+bool YieldTimes::due(Time now, bool one_core) {
   if (!alone(now)) return false;
   const std::int64_t period = now.time_since_epoch() / kPeriod;
-  if (period != period_) last_useful_ = now;
-  period_ = period;
+  const bool first = std::exchange(period_, period) != period;
+  if (!one_core) return first;
+  if (first) last_useful_ = now;
   return now - last_useful_ < kPatience && now.time_since_epoch() % kPeriod >= kSleepFor;
 }
 
@@ -34,9 +35,8 @@ void CoreSharing::end() {
 }
 
 void CoreSharing::let_others_run(YieldTimes::Time now) {
-  if (!one_core_) return;
   be_batch(times_.alone(now));
-  if (!times_.due(now)) return;
+  if (!times_.due(now, one_core_)) return;
   ::sched_yield();
   times_.came_back(now, std::chrono::steady_clock::now());
   have_run_ = true;

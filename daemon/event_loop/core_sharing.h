@@ -24,7 +24,8 @@ class YieldTimes {
   /// Whether the core is taken to be the ring's alone.
   bool alone(Time now) const { return now >= pause_ends_; }
   /// Whether to let others run now.
-  bool due(Time now);
+  /// @param one_core all daemons share one; else it is done once a period, to see how long it takes
+  bool due(Time now, bool one_core);
   /// They have run from `from` to `to`.
   void came_back(Time from, Time to);
   /// There was something to do then.
@@ -37,20 +38,21 @@ class YieldTimes {
   Time last_useful_{};       ///< or when that period began
 };
 
-/// How a daemon shares its core with the others of the ring while packets pass, where it may run on one core only.
-/// (ours)
+/// How a daemon shares a core with the others of the ring while packets pass. (ours)
 ///
 /// One that hands on a packet and sleeps is put to sleep and woken at every lap, and the one it wakes interrupts it
-/// first: three switches a hop instead of one. So while the core is the ring's alone, a daemon is under SCHED_BATCH,
-/// which interrupts nobody, and does not sleep but lets the others run (sched_yield): when it is its turn again, what
-/// they have sent is there. The kernel then gives them their turns in an order that stays. One that sleeps, and is
-/// woken by the one before it in the ring, comes right behind that: so all sleep for a moment now and then, and the
-/// order becomes the ring's. Where it is not, packets wait at some hops until all have had their turn.
+/// first: three switches a hop instead of one. So while nothing else computes there, a daemon is under SCHED_BATCH,
+/// which interrupts nobody. Where it may run on one core only, it does not sleep either but lets the others run
+/// (sched_yield): when it is its turn again, what they have sent is there. The kernel then gives them their turns in an
+/// order that stays. One that sleeps, and is woken by the one before it in the ring, comes right behind that: so all
+/// sleep for a moment now and then, and the order becomes the ring's. Where it is not, packets wait at some hops until
+/// all have had their turn. While packets are few, there is nothing to do after that, and it is given up until the next
+/// period. With several cores to choose from, to sleep is best: the kernel looks for a free one when it wakes a
+/// process.
 ///
-/// While packets are few, there is nothing to do after that, and it is given up until the next period. Where something
-/// else computes on that core, it would get a slice at every hop. A round that takes too long shows it; then the daemon
-/// is an ordinary one for some time. A process that was not under SCHED_OTHER keeps its policy. With several cores to
-/// choose from, to sleep is best: the kernel looks for a free one when it wakes a process.
+/// Where something else computes on that core, all this would give it a slice at every hop. Letting others run takes
+/// too long then; so that is seen, and the daemon is an ordinary one for some time. A process that was not under
+/// SCHED_OTHER keeps its policy.
 class CoreSharing {
  public:
   /// Packets pass from now on.

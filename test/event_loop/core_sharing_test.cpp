@@ -17,21 +17,29 @@ Time at(YieldTimes::Duration time) { return Time{} + 1000 * YieldTimes::kPeriod 
 
 TEST(YieldTimes, AllSleepAtTheBeginOfAPeriod) {
   YieldTimes times;
-  EXPECT_FALSE(times.due(at(milliseconds(0))));
-  EXPECT_FALSE(times.due(at(YieldTimes::kSleepFor) - Time::duration(1)));
-  EXPECT_TRUE(times.due(at(YieldTimes::kSleepFor)));
+  EXPECT_FALSE(times.due(at(milliseconds(0)), true));
+  EXPECT_FALSE(times.due(at(YieldTimes::kSleepFor) - Time::duration(1), true));
+  EXPECT_TRUE(times.due(at(YieldTimes::kSleepFor), true));
   times.was_useful(at(YieldTimes::kPeriod));
-  EXPECT_FALSE(times.due(at(YieldTimes::kPeriod)));
+  EXPECT_FALSE(times.due(at(YieldTimes::kPeriod), true));
 }
 
 TEST(YieldTimes, IsGivenUpForAPeriodWhereNothingComesOfIt) {
   YieldTimes times;
-  ASSERT_TRUE(times.due(at(milliseconds(10))));
+  ASSERT_TRUE(times.due(at(milliseconds(10)), true));
   times.was_useful(at(milliseconds(12)));
-  EXPECT_TRUE(times.due(at(milliseconds(12) + YieldTimes::kPatience - milliseconds(1))));
-  EXPECT_FALSE(times.due(at(milliseconds(12) + YieldTimes::kPatience)));
-  EXPECT_FALSE(times.due(at(YieldTimes::kPeriod - milliseconds(1))));
-  EXPECT_TRUE(times.due(at(YieldTimes::kPeriod + YieldTimes::kSleepFor)));
+  EXPECT_TRUE(times.due(at(milliseconds(12) + YieldTimes::kPatience - milliseconds(1)), true));
+  EXPECT_FALSE(times.due(at(milliseconds(12) + YieldTimes::kPatience), true));
+  EXPECT_FALSE(times.due(at(YieldTimes::kPeriod - milliseconds(1)), true));
+  EXPECT_TRUE(times.due(at(YieldTimes::kPeriod + YieldTimes::kSleepFor), true));
+}
+
+TEST(YieldTimes, IsOnceAPeriodOnSeveralCores) {
+  YieldTimes times;
+  EXPECT_TRUE(times.due(at(milliseconds(0)), false));
+  times.was_useful(at(milliseconds(1)));
+  EXPECT_FALSE(times.due(at(milliseconds(2)), false));
+  EXPECT_TRUE(times.due(at(YieldTimes::kPeriod), false));
 }
 
 TEST(YieldTimes, PausesWhereSomethingComputesTwiceAsLongEachTime) {
@@ -45,7 +53,7 @@ TEST(YieldTimes, PausesWhereSomethingComputesTwiceAsLongEachTime) {
     times.came_back(now, now + slow);
     now += slow + std::min(pause, YieldTimes::kLongestPause);
     EXPECT_FALSE(times.alone(now - Time::duration(1)));
-    EXPECT_FALSE(times.due(now - Time::duration(1)));
+    EXPECT_FALSE(times.due(now - Time::duration(1), true));
     EXPECT_TRUE(times.alone(now));
   }
 }
@@ -106,14 +114,18 @@ TEST_F(CoreSharingOnOneCore, KeepsThePolicyItWasGiven) {
   ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
 }
 
-TEST_F(CoreSharingOnOneCore, OnlySleepsWhereThereAreCoresToChooseFrom) {
+TEST_F(CoreSharingOnOneCore, LetsOthersRunOnceAPeriodWhereThereAreCoresToChooseFrom) {
   if (CPU_COUNT(&before) == 1) GTEST_SKIP() << "there is one core";
   ASSERT_EQ(::sched_setaffinity(0, sizeof before, &before), 0);
   sharing.begin();
   sharing.let_others_run(at(milliseconds(10)));
+  EXPECT_TRUE(sharing.have_run());
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_BATCH);
+  sharing.after_turn(at(milliseconds(11)), true);
+  sharing.let_others_run(at(milliseconds(12)));
   EXPECT_FALSE(sharing.have_run());
-  EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
   sharing.end();
+  EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
 }
 
 }  // namespace
