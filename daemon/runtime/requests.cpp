@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <map>
 
@@ -173,8 +174,9 @@ void Requests::sync(const Json&, const Answer& answer) {
     Json end = end_of(ended);
     end["ring_size"] = to_.driver.controller().membership().ring_size();
     end["clock_ns"] = clock;
-    end["left_ns"] =
-        to_.driver.clock().now().time_since_epoch().count() - core::whole_nanoseconds(ended.round_trip).count();
+    const std::int64_t now = to_.driver.clock().now().time_since_epoch().count();
+    // The core's time of a send is that of the first slice of the turn, which may be before `clock` was read.
+    end["left_ns"] = std::max(clock, now - core::whole_nanoseconds(ended.round_trip).count());
     answer(end);
   });
 }
