@@ -7,12 +7,12 @@
 
 namespace limb_ring::event_loop {
 
-bool YieldTimes::due(Time now, bool one_core) {
+bool YieldTimes::due(Time now, bool often) {
   if (!alone(now)) return false;
   const std::int64_t period = now.time_since_epoch() / kPeriod;
   const bool first = std::exchange(period_, period) != period;
-  if (!one_core) return first;
   if (first) last_useful_ = now;
+  if (!often) return first;
   return now - last_useful_ < kPatience && now.time_since_epoch() % kPeriod >= kSleepFor;
 }
 
@@ -34,9 +34,9 @@ void CoreSharing::end() {
   have_run_ = false;
 }
 
-void CoreSharing::let_others_run(YieldTimes::Time now) {
+void CoreSharing::let_others_run(YieldTimes::Time now, bool answer_due) {
   be_batch(times_.alone(now));
-  if (!times_.due(now, one_core_)) return;
+  if (!times_.due(now, one_core_ && !answer_due)) return;
   ::sched_yield();
   times_.came_back(now, std::chrono::steady_clock::now());
   have_run_ = true;

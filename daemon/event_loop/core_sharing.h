@@ -24,8 +24,8 @@ class YieldTimes {
   /// Whether the core is taken to be the ring's alone.
   bool alone(Time now) const { return now >= pause_ends_; }
   /// Whether to let others run now.
-  /// @param one_core all daemons share one; else it is done once a period, to see how long it takes
-  bool due(Time now, bool one_core);
+  /// @param often whenever it may be useful; else once a period, to see how long it takes
+  bool due(Time now, bool often);
   /// They have run from `from` to `to`.
   void came_back(Time from, Time to);
   /// There was something to do then.
@@ -61,7 +61,9 @@ class CoreSharing {
   void end();
   /// Lets the others run if that is good now.
   /// @param now steady_clock
-  void let_others_run(YieldTimes::Time now);
+  /// @param answer_due a process of this host has been given something, and may answer. To sleep is best then, as its
+  ///        answer wakes this one; if all others ran first, it would wait for them.
+  void let_others_run(YieldTimes::Time now, bool answer_due);
   /// Others have run since the last turn: this one must not wait.
   bool have_run() const { return have_run_; }
   /// @param any there was something to do in this turn

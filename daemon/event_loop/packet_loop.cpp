@@ -172,11 +172,11 @@ void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
     const Clock::time_point now = Clock::now();
     sharing_.after_turn(now, any);
     poll_asio_when_due(now);
-    const bool expects_answer = std::exchange(expects_answer_, false);
+    const bool answer_due = std::exchange(answer_due_, false);
     if (any) {
       packets = true;
       last_packet = now;
-      if (!expects_answer && spin.count() == 0 && !has_work()) sharing_.let_others_run(now);
+      if (spin.count() == 0 && !has_work()) sharing_.let_others_run(now, answer_due);
     }
     if (!std::exchange(cold_due_, false)) continue;
     tick_again(cold_timer_.get());

@@ -45,9 +45,8 @@ class PacketLoop final : public boost::asio::execution_context::service {
   void at_turn_end(std::function<void()> call);
   /// Packets pass: the process is awake now, and will be again in a moment.
   bool packets_pass() const { return hot_; }
-  /// A process of this host has been given something, such as the node's CPU, and may answer: this one then sleeps
-  /// after this turn, and is woken by it. If it let all others run first, the answer would wait for them.
-  void expect_answer() { expects_answer_ = true; }
+  /// A process of this host has been given something in this turn, such as the node's CPU, and may answer.
+  void expect_answer() { answer_due_ = true; }
 
  private:
   friend class Watch;
@@ -89,7 +88,7 @@ class PacketLoop final : public boost::asio::execution_context::service {
   bool posted_ = false;
   bool cold_due_ = false;
   CoreSharing sharing_;
-  bool expects_answer_ = false;  ///< in this turn
+  bool answer_due_ = false;  ///< in this turn
 };
 
 }  // namespace limb_ring::event_loop

@@ -34,7 +34,7 @@ TEST(YieldTimes, IsGivenUpForAPeriodWhereNothingComesOfIt) {
   EXPECT_TRUE(times.due(at(YieldTimes::kPeriod + YieldTimes::kSleepFor), true));
 }
 
-TEST(YieldTimes, IsOnceAPeriodOnSeveralCores) {
+TEST(YieldTimes, IsOnceAPeriodWhereItIsNotUseful) {
   YieldTimes times;
   EXPECT_TRUE(times.due(at(milliseconds(0)), false));
   times.was_useful(at(milliseconds(1)));
@@ -68,6 +68,13 @@ TEST(YieldTimes, APauseLongAgoIsForgotten) {
   EXPECT_TRUE(times.alone(second + slow + YieldTimes::kFirstPause));
 }
 
+/// `time` after the begin of a period that is some seconds ahead on the machine's clock: so no call takes long.
+Time ahead(YieldTimes::Duration time) {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  static const auto next = now - now % YieldTimes::kPeriod + 100 * YieldTimes::kPeriod;
+  return Time{} + next + time;
+}
+
 /// On one core, which is given back in the end.
 struct CoreSharingOnOneCore : testing::Test {
   cpu_set_t before{};
@@ -87,10 +94,10 @@ struct CoreSharingOnOneCore : testing::Test {
 TEST_F(CoreSharingOnOneCore, InterruptsNobodyWhilePacketsPass) {
   sharing.begin();
   EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
-  sharing.let_others_run(at(milliseconds(10)));
+  sharing.let_others_run(ahead(milliseconds(10)), false);
   EXPECT_EQ(::sched_getscheduler(0), SCHED_BATCH);
   EXPECT_TRUE(sharing.have_run());
-  sharing.after_turn(at(milliseconds(10)), true);
+  sharing.after_turn(ahead(milliseconds(10)), true);
   EXPECT_FALSE(sharing.have_run());
   sharing.end();
   EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
@@ -98,8 +105,20 @@ TEST_F(CoreSharingOnOneCore, InterruptsNobodyWhilePacketsPass) {
 
 TEST_F(CoreSharingOnOneCore, SleepsAtTheBeginOfAPeriod) {
   sharing.begin();
-  sharing.let_others_run(at(milliseconds(0)));
+  sharing.let_others_run(ahead(milliseconds(0)), false);
   EXPECT_FALSE(sharing.have_run());
+  sharing.end();
+}
+
+TEST_F(CoreSharingOnOneCore, SleepsWhereAnAnswerIsDueButOnceAPeriod) {
+  sharing.begin();
+  sharing.let_others_run(ahead(milliseconds(10)), true);
+  EXPECT_TRUE(sharing.have_run());
+  sharing.after_turn(ahead(milliseconds(10)), true);
+  sharing.let_others_run(ahead(milliseconds(11)), true);
+  EXPECT_FALSE(sharing.have_run());
+  sharing.let_others_run(ahead(milliseconds(12)), false);
+  EXPECT_TRUE(sharing.have_run());
   sharing.end();
 }
 
@@ -107,7 +126,7 @@ TEST_F(CoreSharingOnOneCore, KeepsThePolicyItWasGiven) {
   const sched_param ordinary{};
   ASSERT_EQ(::sched_setscheduler(0, SCHED_BATCH, &ordinary), 0);
   sharing.begin();
-  sharing.let_others_run(at(milliseconds(10)));
+  sharing.let_others_run(ahead(milliseconds(10)), false);
   EXPECT_TRUE(sharing.have_run());
   sharing.end();
   EXPECT_EQ(::sched_getscheduler(0), SCHED_BATCH);
@@ -118,11 +137,11 @@ TEST_F(CoreSharingOnOneCore, LetsOthersRunOnceAPeriodWhereThereAreCoresToChooseF
   if (CPU_COUNT(&before) == 1) GTEST_SKIP() << "there is one core";
   ASSERT_EQ(::sched_setaffinity(0, sizeof before, &before), 0);
   sharing.begin();
-  sharing.let_others_run(at(milliseconds(10)));
+  sharing.let_others_run(ahead(milliseconds(10)), false);
   EXPECT_TRUE(sharing.have_run());
   EXPECT_EQ(::sched_getscheduler(0), SCHED_BATCH);
-  sharing.after_turn(at(milliseconds(11)), true);
-  sharing.let_others_run(at(milliseconds(12)));
+  sharing.after_turn(ahead(milliseconds(11)), true);
+  sharing.let_others_run(ahead(milliseconds(12)), false);
   EXPECT_FALSE(sharing.have_run());
   sharing.end();
   EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
