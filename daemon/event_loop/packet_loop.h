@@ -47,6 +47,8 @@ class PacketLoop final : public boost::asio::execution_context::service {
   bool packets_pass() const { return hot_; }
   /// A process of this host has been given something in this turn, such as the node's CPU, and may answer.
   void expect_answer() { answer_due_ = true; }
+  /// The process is scheduled as it was before packets passed: for the program that is executed in its place.
+  void end_core_sharing() { sharing_.end(); }
 
  private:
   friend class Watch;

@@ -15,7 +15,7 @@
 namespace limb_ring::process {
 
 /// What to start, and how. The child gets the default signal handlers, an empty signal mask,
-/// /dev/null as input, and no descriptor but 0, 1 and 2; a real-time policy is not passed on.
+/// /dev/null as input, and no descriptor but 0, 1 and 2; a real-time policy and SCHED_BATCH are not passed on.
 struct SpawnRequest {
   std::string path;                                              ///< of the program, as find_program() gives it
   std::vector<std::string> arguments;                            ///< including the program's name as the first

@@ -1,5 +1,6 @@
 #include "runtime/daemon_node.h"
 
+#include "event_loop/packet_loop.h"
 #include "runtime/engine.h"
 #include "runtime/re_exec.h"
 #include "setup/core_settings.h"
@@ -34,7 +35,10 @@ NodeBase daemon_base(boost::asio::io_context& io, const config::RingConfig& ring
       engine->record(recorder::recording_of(folder.path(), node.id), ring.recorder.size, title_of(ring, node));
     return engine;
   };
-  base.start_anew = [cores] { re_exec(cores); };
+  base.start_anew = [&io, cores] {
+    event_loop::PacketLoop::of(io).end_core_sharing();
+    re_exec(cores);
+  };
   if (!ring.realtime.auto_cores) base.cpu_cores = cores;  // else the CPU stays beside its controller
   return base;
 }

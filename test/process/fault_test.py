@@ -153,6 +153,17 @@ class Nodes(FaultTest):
         self.assertNotEqual(self.wait_cpu(1, 'running')['pid'], cpu)
         self.assertEqual(self.ping(0, 1)['delivered'], 20)
 
+    def test_a_daemon_that_is_cycled_while_packets_pass_is_scheduled_as_ever_afterwards(self):
+        daemons = self.start_ring(plain_nodes(3))
+        pid = daemons[1].pid
+        flood = self.start('ping', [ring_process.program('ringctl'), '--ring', self.ring, 'ping', 'node2',
+                                    '--from', 'node0', '-c', '1000000', '-f', '-q'])
+        self.wait('SCHED_BATCH', lambda: os.sched_getscheduler(pid) == os.SCHED_BATCH)
+        self.fault('power_cycle', 'node1')
+        flood.kill()
+        self.wait_closed(range(3))
+        self.wait('SCHED_OTHER', lambda: os.sched_getscheduler(pid) == os.SCHED_OTHER)
+
     def test_a_power_cycle_is_waited_for_no_longer_than_the_daemon_lives(self):
         self.start_ring(plain_nodes(3))
         os.remove(os.path.join(self.folder, 'ring.yaml'))   # it starts anew, and ends

@@ -4,7 +4,7 @@ import os
 import signal
 
 import ring_process
-from ring_process import RingTest, plain_nodes, program
+from ring_process import RingTest, plain_nodes
 from limb_ring import Interrupt, Observed
 
 
@@ -115,7 +115,7 @@ class Sync(RingTest):
             for row in self.ctl_json('sync')['nodes']:
                 self.assertGreaterEqual(row['one_way_us'], 0, row)
         # Also where packets of others come in with what asks for it.
-        self.start('ping', [program('ringctl'), '--ring', self.ring, 'ping', 'node2', '--from', 'node1',
+        self.start('ping', [ring_process.program('ringctl'), '--ring', self.ring, 'ping', 'node2', '--from', 'node1',
                             '-c', '100000', '-f', '-q'])
         port = self.port(0)
         for _ in range(1000):
