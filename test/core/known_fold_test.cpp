@@ -44,5 +44,47 @@ TEST_F(KnownFold, IsForgottenFivePeriodsAfterTheLastFoldedBeaconThoughThatNodeSa
   EXPECT_EQ(state(), NodeState::up);
 }
 
+/// The second line has stood for the broken first one for so long that all know of the break.
+struct FoldedInput : KnownFold {
+  void SetUp() override {
+    KnownFold::SetUp();
+    solo.node().input_lost(solo.now());
+    solo.node().input_up(0_id, solo.now(), true);
+    solo.run_for(solo.node().settings().break_grace + 100ms);
+    bring_beacons_home();
+    ASSERT_TRUE(told.back().break_known);
+    ASSERT_EQ(told.back().input, wire::LinkState::folded);
+    told.clear();
+  }
+  /// Reads what has been put onto the line, and lets all of it come home.
+  void bring_beacons_home() {
+    for (auto out = solo.line(); !out.empty(); out = solo.line()) {
+      for (const SoloNode::Out& slice : out) {
+        const wire::PacketFields packet{{slice.bytes.data(), slice.bytes.size()}};
+        if (const auto beacon = wire::decode_beacon(packet.data())) told.push_back(*beacon);
+        solo.receive(wire::SliceKind::whole, SoloNode::home(slice.bytes, wire::kFbcMax));
+      }
+    }
+  }
+  std::vector<wire::Beacon> told;
+};
+
+// The fold node's last word may come before the first line is up here.
+TEST_F(FoldedInput, ThatIsLostTellsOfNoBreakUntilItIsFoundAnew) {
+  solo.node().input_lost(solo.now());
+  solo.node().set_folded(false, false, solo.now());
+  solo.run();
+  bring_beacons_home();
+  ASSERT_FALSE(told.empty());
+  for (const wire::Beacon& beacon : told) {
+    EXPECT_EQ(beacon.input, wire::LinkState::silent);
+    EXPECT_FALSE(beacon.break_known);
+  }
+  EXPECT_NE(state(), NodeState::open_chain);
+  solo.run_for(solo.node().settings().break_grace);
+  EXPECT_EQ(state(), NodeState::open_chain);
+  EXPECT_EQ(solo.node().membership().broken_line()->behind, 1_id);
+}
+
 }  // namespace
 }  // namespace limb_ring::core

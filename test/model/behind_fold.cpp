@@ -30,6 +30,7 @@ void Node::lines_are(const Lines& lines, Time now) {
   const bool input_folds = lines.input_folded != in_.folded, output_folds = lines.output_folded != out_.folded;
   const bool turned_back = out_.up && lines.output_up && !out_.folded && lines.output_folded;
   if (in_.up != lines.input_up) {
+    if (in_.folded && !lines.input_up) own_break_ends();
     if (lines.input_up) in_.folded = lines.input_folded;
     lines.input_up ? input_up(lines.before, now) : input_lost(now);
   }

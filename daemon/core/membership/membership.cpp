@@ -110,6 +110,7 @@ void Membership::input_lost(Time now) {
   if (!input_.up()) return;
   input_.lose();
   memory_.input_lost();
+  if (input_.folded) break_.own_mended();  // likewise: it is found anew if the input stays lost
   lines_changed(now);
 }
 
