@@ -42,17 +42,15 @@ void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptReq
     result.reason = "factor " + std::to_string(request.factor) + " is wired to reset: " + sentence(result.why);
     return to_.host.result(client, result);
   }
-  to_.driver.pump();  // what was sent before it has begun
-  to_.driver.controller().interrupt(
-      {SendOwner::of(client).to_core(), request.token, wire::NodeId{request.destination}, wire::Factor{request.factor}},
-      to_.driver.now());
-  to_.driver.pump();
+  const core::InterruptRequest interrupt{SendOwner::of(client).to_core(), request.token,
+                                         wire::NodeId{request.destination}, wire::Factor{request.factor}};
+  to_.driver.pump_around([&](core::Time now) { to_.driver.controller().interrupt(interrupt, now); });
 }
 
 void ClientCalls::on_pull(host::ClientId client, const client::PullRequest& request) {
-  to_.driver.pump();  // as above
-  to_.driver.controller().pull(SendOwner::of(client).to_core(), request.token, request.input, to_.driver.now());
-  to_.driver.pump();
+  to_.driver.pump_around([&](core::Time now) {
+    to_.driver.controller().pull(SendOwner::of(client).to_core(), request.token, request.input, now);
+  });
 }
 
 void ClientCalls::on_request(host::ClientId client, const client::JsonRequest& request) {

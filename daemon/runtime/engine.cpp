@@ -162,6 +162,14 @@ void Engine::pump_soon() {
   });
 }
 
+// In a batch the time stands still.
+void Engine::pump_around(const std::function<void(core::Time now)>& call) {
+  pump();
+  in_batch_ = true;
+  call(at_);
+  pump();
+}
+
 void Engine::round() {
   again_ = false;
   if (deadline_ <= at_) controller_.handle_timeout(at_);

@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -40,6 +41,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
 
   void pump() override;
   void pump_soon() override;
+  void pump_around(const std::function<void(core::Time now)>& call) override;
   void close() override;
   bool is_in_place() const override;
   void listen_again() override;

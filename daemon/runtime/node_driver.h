@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string_view>
 
@@ -73,6 +74,13 @@ class NodeDriver {
   /// Calls pump() once at the end of the event loop's turn, however often it is asked for in that turn. For calls that
   /// come with every packet.
   virtual void pump_soon() = 0;
+  /// Makes the call between two pump(), all in one instant: what was asked for before has begun by then, and has not
+  /// ended, however long this process has to wait meanwhile. Not to be called from within a handler.
+  virtual void pump_around(const std::function<void(core::Time now)>& call) {
+    pump();
+    call(now());
+    pump();
+  }
   virtual void close() = 0;
   /// The links' listening sockets are where they were made.
   virtual bool is_in_place() const = 0;
