@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "firmware/command_for.h"
 #include "firmware/timestamps.h"
 #include "limb_ring/host_port.h"
-#include "limb_ring/payload/joint_command.h"
 
 namespace limb_ring::firmware {
 
@@ -19,9 +19,11 @@ class CommandLog {
     if (!file_) throw std::runtime_error("--command-log: " + path + " cannot be written");
   }
 
-  void note(const Packet& packet, const Timestamps& now) {
-    if (const auto command = payload::decode_joint_command(packet.data))
-      file_ << now.wall_ns << ' ' << command->stamp_ns << std::endl;  // at once: a reset kills
+  /// @param node that the packet has come to
+  void note(std::uint8_t node, const Packet& packet, const Timestamps& now) {
+    const auto command = command_for(node, packet.data);
+    if (command && *command)
+      file_ << now.wall_ns << ' ' << (*command)->stamp_ns << std::endl;  // at once: a reset kills
   }
 
  private:

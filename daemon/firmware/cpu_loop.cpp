@@ -58,7 +58,7 @@ class Run {
     const auto now = read_clocks(port_);
     const auto obeyed = cpu_.limb().count(Verdict::obey);
     cpu_.receive(packet, now);
-    if (log_ && cpu_.limb().count(Verdict::obey) != obeyed) log_->note(packet, now);
+    if (log_ && cpu_.limb().count(Verdict::obey) != obeyed) log_->note(cpu_.node(), packet, now);
   }
   void take(const Interrupt& interrupt) { cpu_.receive(interrupt, read_clocks(port_)); }
   void take(const Result& result) { cpu_.receive(result); }

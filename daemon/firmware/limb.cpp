@@ -23,8 +23,8 @@ Limb::Limb(const config::NodeConfig& node, const config::Firmware& firmware, nan
   for (const auto& joint : node.joints) joints_.emplace_back(joint, firmware, command_timeout, now.monotonic);
 }
 
-Verdict Limb::command(payload::ByteView packet, const Timestamps& now) {
-  const Verdict verdict = judge(packet, now);
+Verdict Limb::command(const payload::Decoded<payload::JointCommand>& command, const Timestamps& now) {
+  const Verdict verdict = judge(command, now);
   ++counts_[static_cast<std::size_t>(verdict)];
   if (verdict == Verdict::obey) return verdict;
   ++refused_;
@@ -32,9 +32,8 @@ Verdict Limb::command(payload::ByteView packet, const Timestamps& now) {
   return verdict;
 }
 
-Verdict Limb::judge(payload::ByteView packet, const Timestamps& now) {
+Verdict Limb::judge(const payload::Decoded<payload::JointCommand>& command, const Timestamps& now) {
   advance(now.monotonic);
-  const auto command = payload::decode_joint_command(packet);
   if (!command) return Verdict::malformed;
   if (command->joints.size() > joints_.size()) return Verdict::unfit;
   const Verdict verdict = filter_.judge(*command, now);

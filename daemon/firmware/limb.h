@@ -19,8 +19,8 @@ class Limb {
   Limb(const config::NodeConfig& node, const config::Firmware& firmware, nanoseconds command_timeout,
        const Timestamps& now);
 
-  /// A packet that says it is a joint_command. Every verdict is counted; all but `obey` as refused, too.
-  Verdict command(payload::ByteView packet, const Timestamps& now);
+  /// What a packet says to this node. Every verdict is counted; all but `obey` as refused, too.
+  Verdict command(const payload::Decoded<payload::JointCommand>& command, const Timestamps& now);
   /// All joints to their safe states, until a command resumes.
   void stop(const Timestamps& now);
   void advance(nanoseconds now);
@@ -34,7 +34,7 @@ class Limb {
   std::uint64_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
 
  private:
-  Verdict judge(payload::ByteView packet, const Timestamps& now);
+  Verdict judge(const payload::Decoded<payload::JointCommand>& command, const Timestamps& now);
   void obey(const payload::JointCommand& command, nanoseconds now);
   void add_mode(payload::JointState::Mode& mode) const;
 

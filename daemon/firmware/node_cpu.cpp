@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "limb_ring/payload/packet_type.h"
+#include "firmware/command_for.h"
 
 namespace limb_ring::firmware {
 namespace {
@@ -20,16 +20,18 @@ Timestamps at(nanoseconds monotonic, const Timestamps& now) {
 }  // namespace
 
 NodeCpu::NodeCpu(const NodeSetup& setup, const Timestamps& now)
-    : limb_(setup.node, setup.firmware, setup.command_timeout, now), state_to_(setup.state_to) {
+    : node_(setup.node.id), limb_(setup.node, setup.firmware, setup.command_timeout, now), state_to_(setup.state_to) {
   if (!setup.node.joints.empty()) states_.emplace(setup.firmware.state_rate, now.monotonic);
   for (const auto& sensor : setup.node.sensors)
     sensors_.emplace_back(sensor, static_cast<std::uint8_t>(sensors_.size()), now.monotonic);
 }
 
 void NodeCpu::receive(const Packet& packet, const Timestamps& now) {
-  const bool joint_data = packet.channel == payload::kJointChannel;
-  if (joint_data && payload::is_type(packet.data, payload::PacketType::joint_command)) {
-    limb_.command(packet.data, now);
+  if (packet.channel == payload::kJointChannel) {
+    if (const auto command = command_for(node_, packet.data))
+      limb_.command(*command, now);
+    else if (!payload::is_type(packet.data, payload::PacketType::command_set))
+      ++counters_.ignored;
     return;
   }
   const auto order = packet.channel == payload::kUserChannel ? parse_fault_command(packet.data) : std::nullopt;

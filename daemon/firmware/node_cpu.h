@@ -59,6 +59,7 @@ class NodeCpu {
   std::optional<nanoseconds> due() const;
 
   const std::optional<FaultCommand>& fault_command() const { return fault_command_; }
+  std::uint8_t node() const { return node_; }  ///< its id
   const Limb& limb() const { return limb_; }
   const Counters& counters() const { return counters_; }
   /// One line for people.
@@ -71,6 +72,7 @@ class NodeCpu {
   void send(const payload::Encoded& bytes, std::uint8_t priority);
   std::uint64_t left_out() const;
 
+  std::uint8_t node_;  ///< id
   Limb limb_;
   std::uint8_t state_to_;
   std::optional<Periodic> states_;  // none without joints

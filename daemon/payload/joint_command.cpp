@@ -1,50 +1,10 @@
 #include "limb_ring/payload/joint_command.h"
 
-#include <array>
-#include <cmath>
-
 #include "payload/byte_stream.h"
-#include "payload/fixed_point.h"
+#include "payload/joint_fields.h"
 
 namespace limb_ring::payload {
 namespace {
-
-using Joint = JointCommand::Joint;
-constexpr std::size_t kCommandFlagsAt = 16;
-constexpr std::uint8_t kResume = 1 << 0;
-constexpr std::uint8_t kCommandSaturated = 1 << 1;
-constexpr std::array<std::optional<double> Joint::*, 3> kFields{&Joint::position, &Joint::velocity, &Joint::effort};
-
-std::uint8_t mask_of(const Joint& joint) {
-  unsigned mask = 0;
-  for (std::size_t i = 0; i < kFields.size(); ++i) mask |= unsigned{(joint.*kFields[i]).has_value()} << i;
-  return static_cast<std::uint8_t>(mask);
-}
-
-bool has_nan(const Joint& joint) {
-  for (const auto field : kFields)
-    if ((joint.*field) && std::isnan(*(joint.*field))) return true;
-  return false;
-}
-
-void put(ByteWriter& writer, const Joint& joint) {
-  writer.u8(mask_of(joint));
-  for (const auto field : kFields) {
-    if (!(joint.*field)) continue;
-    const auto fixed = to_fixed(*(joint.*field), kMicro);
-    writer.i32(fixed.steps);
-    if (fixed.saturated) writer.at(kCommandFlagsAt) |= kCommandSaturated;
-  }
-}
-
-std::optional<DecodeError> get(ByteReader& reader, Joint& joint) {
-  const auto mask = reader.u8();
-  if (mask >> kFields.size() != 0) return DecodeError::bad_field;
-  for (std::size_t i = 0; i < kFields.size(); ++i)
-    if (mask >> i & 1) joint.*kFields[i] = from_fixed(reader.i32(), kMicro);
-  if (reader.ended_early()) return DecodeError::truncated;
-  return std::nullopt;
-}
 
 std::optional<DecodeError> get_joints(ByteReader& reader, std::size_t count, JointCommand& command) {
   if (count > kMaxCommandJoints) return DecodeError::bad_count;

@@ -1,11 +1,13 @@
 // The formats inside packets: limb_ring/payload. What cannot be written or read is a ValueError that says why.
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <sstream>
 #include <utility>
 
 #include "bindings.h"
 #include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/fragmenter.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
@@ -133,6 +135,11 @@ void bind_joint_state(py::module& module) {
   bind_stamped<JointState>(state, "sampled", decode_joint_state);
 }
 
+std::uint32_t valid_for_us(double seconds) {
+  if (!(seconds >= 0 && seconds <= 4294)) throw py::value_error("valid_for: 0 to 4294 s are possible");
+  return static_cast<std::uint32_t>(std::llround(seconds * 1e6));
+}
+
 void bind_joint_command(py::module& module) {
   using Command = Stamped<JointCommand>;
   py::class_<Command> command(module, "JointCommand", "What a node's joints shall do, to its CPU, on channel 2");
@@ -149,10 +156,9 @@ void bind_joint_command(py::module& module) {
   command
       .def(py::init([](std::vector<Command::Joint> joints, double valid_for, bool resume, std::uint16_t sequence,
                        optional<std::int64_t> stamp_ns) {
-             if (!(valid_for >= 0 && valid_for <= 4294)) throw py::value_error("valid_for: 0 to 4294 s are possible");
              JointCommand value;
              value.joints = std::move(joints);
-             value.valid_for_us = static_cast<std::uint32_t>(std::llround(valid_for * 1e6));
+             value.valid_for_us = valid_for_us(valid_for);
              value.resume = resume;
              value.sequence = sequence;
              return stamped(std::move(value), stamp_ns);
@@ -170,6 +176,44 @@ void bind_joint_command(py::module& module) {
             .format(c.sequence, joints_text(c.joints.size()), valid_for, c.resume ? ", resume" : "");
       });
   bind_stamped<JointCommand>(command, "commanded", decode_joint_command);
+}
+
+void bind_command_set(py::module& module) {
+  using Set = Stamped<CommandSet>;
+  using Parts = std::map<std::uint8_t, std::vector<JointCommand::Joint>>;
+  py::class_<Set> set(module, "CommandSet",
+                      "What the joints of several nodes shall do, to all CPUs in one broadcast, on channel 2");
+  set.def(py::init([](const Parts& parts, double valid_for, std::uint16_t sequence, optional<std::int64_t> stamp_ns) {
+            CommandSet value;
+            for (const auto& [node, joints] : parts) value.parts.push_back({node, joints});
+            value.valid_for_us = valid_for_us(valid_for);
+            value.sequence = sequence;
+            return stamped(std::move(value), stamp_ns);
+          }),
+          py::arg("parts"), py::arg("valid_for") = 0.1, py::arg("sequence") = 0, py::arg("stamp_ns") = py::none(),
+          "parts: by a node's id its joints, each a JointCommand.Joint, in the order of the YAML")
+      .def_readwrite("sequence", &Set::sequence)
+      .def_readwrite("valid_for_us", &Set::valid_for_us)
+      .def_readonly("saturated", &Set::saturated)
+      .def_property_readonly("parts",
+                             [](const Set& c) {
+                               Parts parts;
+                               for (const auto& part : c.parts) parts[part.node] = part.joints;
+                               return parts;
+                             })
+      .def(
+          "to",
+          [](const Set& c, std::uint8_t node) -> optional<Stamped<JointCommand>> {
+            auto command = c.CommandSet::to(node);
+            if (!command) return std::nullopt;
+            return Stamped<JointCommand>{std::move(*command), c.stamp_given};
+          },
+          py::arg("node"), "The JointCommand for the node of that id; None where it has no part")
+      .def("__repr__", [](const Set& c) {
+        const double valid_for = seconds(std::chrono::microseconds(c.valid_for_us));
+        return py::str("<CommandSet {}: {} nodes, valid for {} s>").format(c.sequence, c.parts.size(), valid_for);
+      });
+  bind_stamped<CommandSet>(set, "commanded", decode_command_set);
 }
 
 void bind_sensor_reading(py::module& module) {
@@ -254,6 +298,7 @@ void bind_payload(py::module& module) {
   module.attr("TOPIC_CHANNEL") = kTopicChannel;
   bind_joint_state(module);
   bind_joint_command(module);
+  bind_command_set(module);
   bind_sensor_reading(module);
   bind_topics(module);
 }

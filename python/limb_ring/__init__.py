@@ -16,7 +16,7 @@ import sys
 # client library.
 _NAMES_IN = {
     '_client': ['BROADCAST', 'JOINT_CHANNEL', 'MAX_PAYLOAD', 'TOPIC_CHANNEL', 'USER_CHANNEL', 'Announcement',
-                'CapturedPacket', 'CaptureCounts', 'Disconnected', 'EVENT_KINDS', 'Fragmenter', 'HostPortError', 'HostPortTimeout',
+                'CapturedPacket', 'CaptureCounts', 'CommandSet', 'Disconnected', 'EVENT_KINDS', 'Fragmenter', 'HostPortError', 'HostPortTimeout',
                 'Interrupt', 'JointCommand', 'JointState', 'Observed', 'ObservedLost', 'Packet', 'Reassembler', 'Reply',
                 'Result', 'SensorReading'],
     'host_port': ['HostPort', 'payload_of'],   # Packet gets its `payload` there

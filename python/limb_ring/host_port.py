@@ -6,18 +6,18 @@ import os
 import time
 
 from . import _client
-from ._client import (EVENT_KINDS, JOINT_CHANNEL, Disconnected, HostPortError, HostPortTimeout, Interrupt, JointCommand, JointState,
+from ._client import (EVENT_KINDS, JOINT_CHANNEL, CommandSet, Disconnected, HostPortError, HostPortTimeout, Interrupt, JointCommand, JointState,
                       Reply, Result, SensorReading)
 
 LATEST = 9e9        # s, of a time that the library can have
 MOST_KEPT = 65536   # as many as the library keeps for who does not receive() them
 
 _NOT_SAID = object()   # None is something that can be said
-_FORMATS = {1: JointState, 2: JointCommand, 3: SensorReading, 4: SensorReading}   # by a packet's first byte
+_FORMATS = {1: JointState, 2: JointCommand, 3: SensorReading, 4: SensorReading, 5: CommandSet}   # by a packet's first byte
 
 
 def payload_of(packet):
-    """The JointState, JointCommand or SensorReading in a Packet; None where it holds none."""
+    """The JointState, JointCommand, CommandSet or SensorReading in a Packet; None where it holds none."""
     known = _FORMATS.get(packet.data[0]) if packet.channel == JOINT_CHANNEL else None
     try:
         return known and known.decode(packet.data)
@@ -153,7 +153,7 @@ class HostPort:
     def send(self, to, data, priority=2, channel=None):
         """
         @param to id of a node, or BROADCAST
-        @param data 1 to 512 bytes; or a JointState, JointCommand or SensorReading, which has stamp_ns() where it was
+        @param data 1 to 512 bytes; or a JointState, JointCommand, CommandSet or SensorReading, which has stamp_ns() where it was
                     given no stamp
         @param channel default: 2 for one of these, else 0"""
         typed = hasattr(data, 'encode') and not isinstance(data, str)

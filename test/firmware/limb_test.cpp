@@ -14,7 +14,7 @@ using namespace bench;
 class LimbTest : public testing::Test {
  protected:
   Verdict give(const payload::JointCommand& command, nanoseconds t) {
-    return limb.command(view(bytes_of(command)), at(t));
+    return limb.command(payload::decode_joint_command(view(bytes_of(command))), at(t));
   }
 
   Limb limb{leg(), config::Firmware{}, 200ms, at(0ms)};
@@ -104,7 +104,7 @@ TEST_F(LimbTest, RefusesACommandForMoreJointsThanItHas) {
 }
 
 TEST_F(LimbTest, CountsBytesThatAreNoCommand) {
-  EXPECT_EQ(limb.command(view({2, 1, 0}), at(0ms)), Verdict::malformed);
+  EXPECT_EQ(limb.command(payload::decode_joint_command(view({2, 1, 0})), at(0ms)), Verdict::malformed);
   EXPECT_EQ(limb.count(Verdict::malformed), 1U);
   EXPECT_TRUE(limb.sample(at(0ms)).mode.command_refused);
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "firmware/firmware_bench.h"
+#include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::firmware {
@@ -140,6 +141,22 @@ TEST_F(NodeCpuTest, AProcessThatWasNotScheduledSendsWhatWasDueMeanwhileWithItsTi
   for (const auto& outgoing : cpu.take_outgoing())
     if (const auto state = payload::decode_joint_state(view(outgoing.data))) stamps.push_back(state->stamp_ns);
   EXPECT_THAT(stamps, ElementsAre(at(10ms).wall_ns, at(20ms).wall_ns, at(30ms).wall_ns, at(40ms).wall_ns));
+}
+
+TEST_F(NodeCpuTest, ObeysItsOwnPartOfACommandSetAndNoOther) {
+  const payload::JointCommand command = positions(0ms, {0.5});
+  payload::CommandSet set;
+  set.stamp_ns = command.stamp_ns;
+  set.valid_for_us = command.valid_for_us;
+  set.parts = {{11, {{0.1, {}, {}}}}};
+  cpu.receive(packet(2, *encode(set)), at(0ms));
+  EXPECT_EQ(cpu.limb().count(Verdict::obey), 0U);
+  set.parts.push_back({12, command.joints});
+  cpu.receive(packet(2, *encode(set)), at(0ms));
+  EXPECT_EQ(cpu.limb().count(Verdict::obey), 1U);
+  cpu.receive(packet(2, {5, 1}), at(0ms));
+  EXPECT_EQ(cpu.limb().count(Verdict::malformed), 1U);
+  EXPECT_EQ(cpu.counters().ignored, 0U);
 }
 
 TEST_F(NodeCpuTest, TakesFaultCommandsFromUserPacketsOnly) {

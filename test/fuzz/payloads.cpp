@@ -2,6 +2,7 @@
 #include "firmware/fault_command.h"
 #include "fuzz/fuzz.h"
 #include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
 #include "limb_ring/payload/sensor_reading.h"
@@ -26,6 +27,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const payload::ByteView bytes{data, size};
   decode(bytes, payload::decode_joint_state);
   decode(bytes, payload::decode_joint_command);
+  decode(bytes, payload::decode_command_set);
   decode(bytes, payload::decode_sensor_reading);
   decode(bytes, payload::decode_announcement);
   firmware::parse_fault_command({data, size});

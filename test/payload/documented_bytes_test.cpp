@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/fragmenter.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
@@ -54,6 +55,15 @@ TEST(DocumentedBytes, OfAJointCommand) {
   command.resume = true;
   command.joints = {{0.5, {}, {}}};
   EXPECT_EQ(digits_of(*encode(command)), documented("Joint command"));
+}
+
+TEST(DocumentedBytes, OfACommandSet) {
+  CommandSet set;
+  set.sequence = 7;
+  set.stamp_ns = kStamp;
+  set.valid_for_us = 100000;
+  set.parts = {{1, {{0.5, {}, {}}}}, {2, {{-0.25, {}, {}}}}};
+  EXPECT_EQ(digits_of(*encode(set)), documented("Command set"));
 }
 
 TEST(DocumentedBytes, OfASensorReading) {

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from limb_ring import Announcement, Fragmenter, JointCommand, JointState, Reassembler, SensorReading
+from limb_ring import Announcement, CommandSet, Fragmenter, JointCommand, JointState, Reassembler, SensorReading
 
 PAGE = os.path.join(os.path.dirname(os.environ['LIMB_RING_README']), 'docs', 'firmware.md')
 STAMP = 1700000000000000000
@@ -31,6 +31,17 @@ def test_a_joint_command_has_the_documented_bytes():
     assert command.encode() == documented('Joint command')
     read = JointCommand.decode(command.encode())
     assert (read.joints[0].position, read.joints[0].velocity, read.valid_for_us) == (0.5, None, 100000)
+
+
+def test_a_command_set_has_the_documented_bytes():
+    parts = {1: [JointCommand.Joint(position=0.5)], 2: [JointCommand.Joint(position=-0.25)]}
+    commands = CommandSet(parts, valid_for=0.1, sequence=7, stamp_ns=STAMP)
+    assert commands.encode() == documented('Command set')
+    read = CommandSet.decode(commands.encode())
+    assert sorted(read.parts) == [1, 2] and read.to(3) is None
+    command = read.to(2)
+    assert (command.joints[0].position, command.sequence, command.stamp_ns) == (-0.25, 7, STAMP)
+    assert repr(read) == '<CommandSet 7: 2 nodes, valid for 0.1 s>'
 
 
 def test_a_sensor_reading_has_the_documented_bytes():

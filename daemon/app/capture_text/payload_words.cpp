@@ -2,6 +2,7 @@
 
 #include "app/common/text_table.h"
 #include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/fragment.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
@@ -54,17 +55,27 @@ std::string words(const payload::JointState& state) {
   return text;
 }
 
-std::string words(const payload::JointCommand& command) {
-  std::string text = "joint command " + to_string(command.sequence) + ", valid for " + to_string(command.valid_for_us) +
-                     " us" + (command.resume ? ", resume" : "");
-  for (std::size_t i = 0; i < command.joints.size(); ++i) {
-    const auto& values = command.joints[i];
+std::string words(const std::vector<payload::JointCommand::Joint>& joints) {
+  std::string text;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const auto& values = joints[i];
     std::string wanted;
     if (values.position) wanted += " " + number(*values.position, 4) + " rad";
     if (values.velocity) wanted += " " + number(*values.velocity, 4) + " rad/s";
     if (values.effort) wanted += " " + number(*values.effort, 3) + " N m";
     if (!wanted.empty()) text += joint(i) + wanted;
   }
+  return text;
+}
+
+std::string words(const payload::JointCommand& command) {
+  return "joint command " + to_string(command.sequence) + ", valid for " + to_string(command.valid_for_us) + " us" +
+         (command.resume ? ", resume" : "") + words(command.joints);
+}
+
+std::string words(const payload::CommandSet& set, const RingNames& names) {
+  std::string text = "command set " + to_string(set.sequence) + ", valid for " + to_string(set.valid_for_us) + " us";
+  for (const auto& part : set.parts) text += "; " + names.of(part.node) + words(part.joints);
   return text;
 }
 
@@ -93,9 +104,10 @@ std::string control_words(ByteView data, const RingNames& names) {
   return {};
 }
 
-std::string joint_words(payload::ByteView data) {
+std::string joint_words(payload::ByteView data, const RingNames& names) {
   if (const auto state = payload::decode_joint_state(data)) return words(*state);
   if (const auto command = payload::decode_joint_command(data)) return words(*command);
+  if (const auto set = payload::decode_command_set(data)) return words(*set, names);
   if (const auto reading = payload::decode_sensor_reading(data)) return words(*reading);
   return {};
 }
@@ -107,7 +119,7 @@ std::string payload_words(std::uint8_t channel, ByteView data, const RingNames& 
     case wire::Channel::control:
       return control_words(data, names);
     case wire::Channel::joint:
-      return joint_words({data.data, data.size});
+      return joint_words({data.data, data.size}, names);
     case wire::Channel::fragment:
       if (const auto fragment = payload::decode_fragment({data.data, data.size})) return words(*fragment);
       return {};

@@ -7,7 +7,14 @@
 namespace limb_ring::payload {
 
 /// First byte of every packet on channels 2 and 3; the second is the version. (ours)
-enum class PacketType : std::uint8_t { joint_state = 1, joint_command = 2, imu = 3, force = 4, fragment = 16 };
+enum class PacketType : std::uint8_t {
+  joint_state = 1,
+  joint_command = 2,
+  imu = 3,
+  force = 4,
+  command_set = 5,
+  fragment = 16
+};
 
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kMaxPacket = 512;  ///< bytes of data in one packet (paper)
