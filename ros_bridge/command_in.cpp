@@ -2,27 +2,22 @@
 
 #include <stdexcept>
 
-#include "ask/arrived.h"
 #include "ask/resume_cpu.h"
-#include "limb_ring/payload/packet_type.h"
-#include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {
 namespace {
 
-constexpr unsigned kUnderWay = 2;
 constexpr std::size_t kWarnedLimit = 1000;  // names; a broken sender must not fill the memory
-constexpr std::uint8_t kCommandPriority = 0;
 
 }  // namespace
 
-CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port, Speaks speaks,
-                     Counters& counters)
+CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port,
+                     CommandSender::Speaks speaks, Counters& counters)
     : joints_(ring),
       valid_for_us_(static_cast<std::uint32_t>(std::chrono::microseconds(ring.timeouts.command).count())),
       port_(port),
-      speaks_(std::move(speaks)),
-      counters_(counters) {
+      counters_(counters),
+      sender_(ring.bridge.broadcast_commands, port, std::move(speaks), counters) {
   subscribe(nodes, "joint_commands");
   for (const std::string& topic : ring.bridge.lockstep) subscribe(nodes, topic);
 }
@@ -46,10 +41,8 @@ void CommandIn::on_command(const std::string& topic, const Event& event) {
     const bool posted = port_.post([this, parts = std::move(split.parts), came = RingPort::Clock::now(),
                                     heard = Heard{topic, event.getPublisherName(), message->header.stamp}]() mutable {
       heard_(heard);
-      for (auto& part : parts) {
-        stamp(part.command, came);
-        offer(part);
-      }
+      for (auto& part : parts) stamp(part.command, came);
+      sender_.offer(parts);
     });
     if (!posted) counters_.lose("commands_dropped_busy");
   } catch (const std::invalid_argument& error) {
@@ -72,50 +65,9 @@ void CommandIn::warn_unknown(const std::string& topic, const std::vector<std::st
   }
 }
 
-void CommandIn::offer(const CommandSplit::Part& part) {
-  NodeCommands& commands = by_node_[part.node];
-  if (!port_.connected()) return counters_.lose("commands_dropped_disconnected");
-  if (!speaks_(part.node)) return counters_.lose("commands_withheld_silent");
-  auto done = [this, node = part.node](const Result& result) { on_result(node, result); };
-  if (commands.under_way < kUnderWay) return send(part.node, part.command, done);
-  if (const unsigned replaced = commands.waiting.put(part.command)) counters_.add("commands_superseded", replaced);
-}
-
-void CommandIn::send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done) {
-  NodeCommands& commands = by_node_[node];
-  command.sequence = commands.sequence++;
-  const auto bytes = payload::encode(command);
-  if (!bytes) {
-    // Only a configuration with more joints per node than a packet holds gets here.
-    ROS_ERROR_ONCE("command to node %u cannot be written: %s", node, payload::to_string(bytes.error()).c_str());
-    return counters_.lose("commands_refused");
-  }
-  ++commands.under_way;
-  port_.send({node, kCommandPriority, payload::kJointChannel, *bytes}, std::move(done));
-}
-
-void CommandIn::on_result(std::uint8_t node, const Result& result) {
-  const std::string ended = "commands_" + outcome_word(result.outcome);
-  if (ask::may_have_arrived(result))
-    counters_.add(ended);
-  else
-    counters_.lose(ended);
-  NodeCommands& commands = by_node_[node];
-  --commands.under_way;
-  if (commands.waiting.size() == 0) return;
-  if (!port_.connected()) {
-    counters_.lose("commands_dropped_disconnected", commands.waiting.size());
-    return commands.waiting.clear();
-  }
-  send(node, *commands.waiting.take(), [this, node](const Result& r) { on_result(node, r); });
-}
-
 bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {
   return port_.post([this, node, done = std::move(done), came = RingPort::Clock::now()] {
-    send(node, ask::resume_command(port_.stamp_of(came)), [this, node, done](const Result& result) {
-      on_result(node, result);
-      done(result);
-    });
+    sender_.send(node, ask::resume_command(port_.stamp_of(came)), done);
   });
 }
 

@@ -23,7 +23,9 @@ class WaitingCommands {
     commands_.push_back(std::move(newer));
     return replaced;
   }
-  /// The oldest one.
+  /// The oldest one; null where none waits.
+  const payload::JointCommand* oldest() const { return commands_.empty() ? nullptr : &commands_.front(); }
+  /// The same, which waits no more.
   std::optional<payload::JointCommand> take() {
     if (commands_.empty()) return std::nullopt;
     payload::JointCommand oldest = std::move(commands_.front());

@@ -28,8 +28,8 @@ OwnRateResult measure_own_rate(const Setup& setup, const live::PrivateFolder& fo
   processes.push_back(bridge.pid());
   const CpuShare share(processes);
   const auto said = programs.result_of(ends);
-  result.measured = {said.at("joint_states_rate"), said.at("samples"),    said.at("left_out"),
-                     said.at("lap_p50_us"),        said.at("lap_p99_us"), share.percent()};
+  result.measured = {said.at("joint_states_rate"), said.at("commands_rate"), said.at("samples"), said.at("left_out"),
+                     said.at("lap_p50_us"),        said.at("lap_p99_us"),    share.percent()};
   return result;
 }
 

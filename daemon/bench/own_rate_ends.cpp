@@ -30,6 +30,7 @@ class OwnRateEnds {
   bool done() const { return span_.done(); }
   nlohmann::json report() const {
     return {{"joint_states_rate", static_cast<double>(counted_) / span_.seconds()},
+            {"commands_rate", span_.commands_each() / span_.seconds()},
             {"samples", span_.samples()},
             {"left_out", span_.left_out()},
             {"lap_p50_us", span_.lap_p50() * 1e6},

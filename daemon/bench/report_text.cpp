@@ -31,6 +31,7 @@ json own_rate_json(const Report& report) {
   if (!report.own_rate) return report.own_rate_skipped.empty() ? json() : json{{"skipped", report.own_rate_skipped}};
   const OwnRate& rate = *report.own_rate;
   return {{"joint_states_rate", rounded(rate.joint_states_rate)},
+          {"commands_rate", rounded(rate.commands_rate)},
           {"samples", rate.samples},
           {"left_out", rate.left_out},
           {"lap_us", {{"p50", rounded(rate.lap_p50_us)}, {"p99", rounded(rate.lap_p99_us)}}},
@@ -109,8 +110,8 @@ void print_own_rate(std::ostream& out, const Report& report) {
   }
   const OwnRate& rate = *report.own_rate;
   out << "  " << rate.samples << " samples, " << rate.left_out << " left out; joint_states " << rate.joint_states_rate
-      << " Hz; lap p50 " << rate.lap_p50_us << " us, p99 " << rate.lap_p99_us << " us; ring and bridge take "
-      << rate.ring_percent << " % of a core\n";
+      << " Hz; commands at each node " << rate.commands_rate << " Hz; lap p50 " << rate.lap_p50_us << " us, p99 "
+      << rate.lap_p99_us << " us; ring and bridge take " << rate.ring_percent << " % of a core\n";
 }
 
 void print_virtual_rates(std::ostream& out, const Report& report) {

@@ -31,6 +31,11 @@ class StatusSpan {
   /// Joint states that the nodes' CPUs sent, and of those the ones that did not come.
   std::uint64_t samples() const { return last_.received - first_.received + left_out(); }
   std::uint64_t left_out() const { return last_.missing - first_.missing; }
+  /// Commands that each node with joints has taken, on average.
+  double commands_each() const {
+    if (last_.nodes == 0) return 0;
+    return static_cast<double>(last_.commands - first_.commands) / static_cast<double>(last_.nodes);
+  }
   /// s, at the end, of the node for which it is worst
   double lap_p50() const { return last_.lap_p50; }
   double lap_p99() const { return last_.lap_p99; }
@@ -38,12 +43,16 @@ class StatusSpan {
  private:
   struct Counts {
     std::uint64_t received = 0, missing = 0;
+    std::uint64_t commands = 0, nodes = 0;
     double lap_p50 = 0, lap_p99 = 0;
   };
 
   static Counts counts_of(const RingStatus& status) {
     Counts counts;
+    for (std::size_t i = 0; i < status.counter_names.size(); ++i)
+      if (status.counter_names[i] == "commands_delivered") counts.commands = status.counter_values[i];
     for (const auto& node : status.nodes) {
+      counts.nodes += node.states_received != 0;
       counts.received += node.states_received;
       counts.missing += node.states_missing;
       counts.lap_p50 = std::max(counts.lap_p50, node.round_trip_p50);

@@ -56,6 +56,11 @@ const Section<BridgeConfig>& bridge_section() {
   static const Section<BridgeConfig> section{
       real_option("rate", &BridgeConfig::rate, {1, 1000, "Hz"}, "How often joint_states is sent."),
       bridge_phase_option(),
+      flag_option(
+          "broadcast_commands", &BridgeConfig::broadcast_commands,
+          "joint_commands for several nodes cross the ring in one broadcast rather than in a packet to each, so at "
+          "rates up to 1 kHz: a node has one packet under way at a time. The CPUs have to know command sets, as "
+          "limb_firmware does."),
       list_option("topics", &BridgeConfig::topics, topic_section(), kMostTopics, check_topic,
                   "ROS topics that cross the ring unmodified, from one bridge to another."),
       controllers_option(),

@@ -184,7 +184,8 @@ struct TrafficConfig {
 struct BridgeConfig {
   double rate = 50.0;  ///< Hz of joint_states
   std::optional<nanoseconds>
-      phase;  ///< joint_states so long after the multiples of its period; none: from its start on
+      phase;                        ///< joint_states so long after the multiples of its period; none: from its start on
+  bool broadcast_commands = false;  ///< one packet for the commands of all nodes
   std::vector<TopicConfig> topics;
   /// On a virtual ring time waits for an answer to joint_states on each of these topics of joint commands.
   std::vector<std::string> lockstep;

@@ -83,6 +83,7 @@ add_test(NAME virtual_demo COMMAND ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/sc
 set_tests_properties(virtual_demo PROPERTIES TIMEOUT 300 PROCESSORS 2 RESOURCE_LOCK humanoid COST 100
   ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home;PYTHONDONTWRITEBYTECODE=1;LIMB_RING_DEMO_ENTERED=1")
 ring_rostest(scenario 300)
+ring_rostest(command_sets 300)
 ring_rostest(side_by_side 300)
 recording_rostest(walking_recording 300 HUMANOID icub_walking/walking.csv)
 recording_rostest(recorded_topics 300 realsense_frames/frames jsk_force_torque)

@@ -1,7 +1,9 @@
 #include "study/analysis/streams.h"
 
 #include <cmath>
+#include <numeric>
 
+#include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/fragment.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
@@ -60,12 +62,30 @@ Stream message(std::string name, NodeId source, NodeId destination, std::uint8_t
   return stream;
 }
 
+/// As many parts in each packet as fit.
+void add_command_sets(const RingConfig& ring, NodeId body, std::vector<Stream>& streams) {
+  std::vector<unsigned> packets;
+  for (const NodeConfig& node : ring.nodes) {
+    if (node.joints.empty()) continue;
+    payload::CommandSet::Part part{node.id, {}};
+    part.joints.resize(node.joints.size(), {0.0, 0.0, {}});
+    const auto bytes = static_cast<unsigned>(encoded_size(part));
+    if (packets.empty() || packets.back() + bytes > payload::kMaxPacket) packets.push_back(payload::kCommandSetHeader);
+    packets.back() += bytes;
+  }
+  if (packets.empty()) return;
+  const unsigned all = std::accumulate(packets.begin(), packets.end(), 0u);
+  streams.push_back(message("commands", body, wire::kBroadcast, kJointPriority, all, ring.bridge.rate));
+  streams.back().packets = packets;
+}
+
 void add_joints(const RingConfig& ring, std::vector<Stream>& streams) {
   const NodeId body = place_of(ring, config::body_of(ring).id);
   for (const NodeConfig& node : ring.nodes)
     if (!node.joints.empty())
       streams.push_back(message("state of " + node.name, place_of(ring, node.id), body, kJointPriority,
                                 state_bytes(node), ring.firmware.state_rate));
+  if (ring.bridge.broadcast_commands) return add_command_sets(ring, body, streams);
   for (const NodeConfig& node : ring.nodes) {
     if (node.joints.empty()) continue;
     streams.push_back(message("command to " + node.name, body, place_of(ring, node.id), kJointPriority,

@@ -56,6 +56,23 @@ TEST(Streams, JointCommandsComeFromTheBodyAllAtOnce) {
   EXPECT_EQ(command.phase, Duration{0});
 }
 
+TEST(Streams, BroadcastCommandsAreOneMessageOfAsManyPacketsAsItTakes) {
+  std::string yaml = kRobot;
+  const std::string bridge = "bridge:\n";
+  yaml.insert(yaml.find(bridge) + bridge.size(), "  broadcast_commands: true\n");
+  const Stream commands = named(streams_in(yaml), "commands");
+  EXPECT_EQ(commands.source, 1);
+  EXPECT_EQ(commands.destination, wire::kBroadcast);
+  EXPECT_EQ(commands.priority, 0);
+  EXPECT_EQ(commands.period, 25ms);
+  EXPECT_EQ(commands.packets, std::vector<unsigned>{18 + 2 + 2 * (1 + 4 + 4)});  // command_set.h
+  std::string nodes;
+  for (int id = 10; id < 70; ++id)
+    nodes += "  - {id: " + std::to_string(id) + ", name: n" + std::to_string(id) +
+             ", cpu: {command: [f]}, joints: [{name: j" + std::to_string(id) + "}]}\n";
+  EXPECT_EQ(named(streams_in(yaml + nodes), "commands").packets.size(), 2u);
+}
+
 TEST(Streams, SensorsHaveTheirOwnRateAndPriority) {
   const Stream sole = named(streams_in(kRobot), "sole");
   EXPECT_EQ(sole.source, 0);
@@ -103,11 +120,11 @@ TEST(Streams, EveryNodeSendsBeaconsToAll) {
   EXPECT_EQ(beacon.period, 100ms);
 }
 
-// 14 nodes have joints, 4 sensors, 2 cameras, 1 button, 16 beacons: 14 + 14 + 4 + 3 + 16.
+// 14 nodes have joints, 4 sensors, 2 cameras, 1 button, 16 beacons; all commands are one: 14 + 1 + 4 + 3 + 16.
 TEST(Streams, HumanoidHasThemAll) {
   const auto ring = config::load_ring(std::string(SHIPPED_CONFIG) + "/humanoid16.yaml");
   const std::vector<Stream> streams = streams_of(ring);
-  EXPECT_EQ(streams.size(), 51u);
+  EXPECT_EQ(streams.size(), 38u);
   // 61440 = 124 * 492 + 432
   const Stream camera = named(streams, "left_camera");
   ASSERT_EQ(camera.packets.size(), 125u);
