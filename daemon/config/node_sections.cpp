@@ -83,6 +83,11 @@ const Section<NodeConfig>& node_section() {
        [](const Entry& entry, NodeConfig& node) { read_section(entry, pins_section(), node); }},
       {"inputs", "{}", "a map, see below", "Where interrupt inputs lead (a button, a watchdog, a tool).",
        [](const Entry& entry, NodeConfig& node) { read_section(entry, inputs_section(), node); }},
+      {"receive_buffers", "as in `limits`", allowed(kReceiveBuffers),
+       "Packets that may wait for this node's CPU, per priority: more for one that many send to.",
+       [](const Entry& entry, NodeConfig& node) {
+         node.receive_buffers = static_cast<unsigned>(read_integer(entry, kReceiveBuffers));
+       }},
       section_option("link", &NodeConfig::link, link_section(), "The link into this node, from whoever is upstream."),
   };
   return section;

@@ -107,6 +107,7 @@ struct NodeConfig {
   Pins pins = default_pins();
   std::array<std::optional<InputConfig>, kPins> inputs;
   LinkConfig link;
+  std::optional<unsigned> receive_buffers;  ///< default: as Limits
 };
 
 /// The bounds of a node's queues and buffers. (ours)

@@ -12,7 +12,7 @@ const Section<Limits>& limits_section() {
                      "INTPs that may wait there; one more is dropped, counted."),
       integer_option("send_queue", &Limits::send_queue, {1, 65536},
                      "Sends that may wait in a node, per priority; one more is rejected."),
-      integer_option("receive_buffers", &Limits::receive_buffers, {1, 65536},
+      integer_option("receive_buffers", &Limits::receive_buffers, kReceiveBuffers,
                      "Packets that may wait for a CPU, per priority; one more is refused."),
       integer_option("clients", &Limits::clients, {1, 1024},
                      "Programs connected to one host port at a time; the CPU and whoever only asks (ringctl stop) have "

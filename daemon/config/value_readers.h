@@ -22,6 +22,7 @@ struct TimeRange {
   std::chrono::nanoseconds least, most;
   std::chrono::nanoseconds grain;  ///< whole multiples of this
 };
+constexpr IntegerRange kReceiveBuffers{1, 65536};
 std::string allowed(const IntegerRange& range);
 std::string allowed(const RealRange& range);
 std::string allowed(const TimeRange& range);

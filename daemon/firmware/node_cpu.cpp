@@ -8,8 +8,9 @@
 namespace limb_ring::firmware {
 namespace {
 
-/// Results may wait for 20 ms (results_may_wait): 20 samples at 1 kHz, and some that are under way.
-constexpr std::size_t kMostWithoutResult = 32;
+/// Results may wait for 20 ms (results_may_wait): 20 samples at 1 kHz, and as many again and more that are under way or
+/// wait for the CPU that reads them.
+constexpr std::size_t kMostWithoutResult = 64;
 constexpr std::uint8_t kStatePriority = 0;
 
 /// The instant `monotonic` on both clocks, by their difference at `now`.

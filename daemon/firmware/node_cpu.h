@@ -24,7 +24,7 @@ struct NodeSetup {
 /// The firmware without its IO: packets, interrupts and time go in, packets come out.
 ///
 /// States go out at priority 0 and firmware.state_rate, readings at the rate and priority of
-/// their sensor, all on channel 2. A sample of either kind is left out, and counted, while 32
+/// their sensor, all on channel 2. A sample of either kind is left out, and counted, while 64
 /// packets are without a result: fresh values are worth more than old ones in a queue. What is left
 /// out is missing in the sequence numbers.
 class NodeCpu {

@@ -64,7 +64,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.insertion_buffer = ring.limits.insertion_buffer;
   s.interrupt_buffer = ring.limits.interrupt_buffer;
   s.send_queue = ring.limits.send_queue;
-  s.receive_buffers = ring.limits.receive_buffers;
+  s.receive_buffers = node.receive_buffers.value_or(ring.limits.receive_buffers);
   s.send_timeout_least = ring.timeouts.send;
   s.refused_for = ring.timeouts.refused;
   s.refused_backoff_most = ring.timeouts.refused_backoff;

@@ -115,10 +115,10 @@ TEST_F(NodeCpuTest, OnlyCountsANotifyInterrupt) {
   EXPECT_EQ(cpu.counters().notifies, 1U);
 }
 
-TEST_F(NodeCpuTest, LeavesOutSamplesWhile32HaveNoResult) {
+TEST_F(NodeCpuTest, LeavesOutSamplesWhile64HaveNoResult) {
   confirm = false;
-  EXPECT_EQ(run_until(1s).size(), 32U);
-  EXPECT_EQ(cpu.counters().skipped, 128U);
+  EXPECT_EQ(run_until(1s).size(), 64U);
+  EXPECT_EQ(cpu.counters().skipped, 96U);
   cpu.receive(ended(Outcome::lost));
   EXPECT_EQ(run_until(1100ms).size(), 1U);
   EXPECT_EQ(cpu.counters().not_delivered, 1U);

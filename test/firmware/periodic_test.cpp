@@ -43,6 +43,12 @@ TEST(Periodic, MakesUpForTheLastEightDeadlines) {
   EXPECT_EQ(periodic.due(), 90ms);
 }
 
+TEST(Periodic, MakesUpForThirtyTwoMillisecondsWhereThatIsMore) {
+  Periodic periodic(1000, 0s);
+  EXPECT_EQ(taken_at(periodic, 40500us), 32);
+  EXPECT_EQ(periodic.left_out(), 8U);
+}
+
 TEST(Periodic, LeavesOutAndCountsTheOnesBefore) {
   Periodic periodic(100, 0s);
   const auto due = periodic.take(115ms);  // due at 10, 20 ... 110 ms

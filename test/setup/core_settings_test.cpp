@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "config/load_ring.h"
+
 namespace limb_ring::setup {
 namespace {
 
@@ -23,6 +25,13 @@ config::RingConfig uneven_ring() {
 TEST(CoreSettings, TheWorstLapIsOfAllLinesWhateverTheOwnIs) {
   const config::RingConfig ring = uneven_ring();
   for (const config::NodeConfig& node : ring.nodes) EXPECT_EQ(core_settings(ring, node, 1).worst_lap(), 120ms);
+}
+
+TEST(CoreSettings, ANodeMayHaveItsOwnNumberOfReceiveBuffers) {
+  const config::RingConfig ring = config::parse_ring(
+      "ring: r\nlimits: {receive_buffers: 5}\nnodes: [{id: 0, receive_buffers: 512}, {id: 1}]\n", "r.yaml");
+  EXPECT_EQ(core_settings(ring, ring.nodes[0], 1).receive_buffers, 512u);
+  EXPECT_EQ(core_settings(ring, ring.nodes[1], 1).receive_buffers, 5u);
 }
 
 // Each node's own delay was taken for all: 240 ms at the first node, 560 ms at the others.
