@@ -2,16 +2,20 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace limb_ring::host {
 
 namespace {
+
+constexpr std::chrono::milliseconds kEnds{200}, kTryAgain{5};
 
 /// Our arguments without the program, each ended by a null, as the kernel has them.
 std::string own_arguments() {
@@ -28,8 +32,18 @@ std::string own_description() {
          fs::current_path(unknown).string() + '\0' + own_arguments();
 }
 
+/// A daemon that was just killed may hold it a moment longer than it is heard.
+std::optional<process::LockFile> take(const std::string& path) {
+  const auto deadline = std::chrono::steady_clock::now() + kEnds;
+  for (;;) {
+    std::optional<process::LockFile> lock = process::LockFile::take(path);
+    if (lock || std::chrono::steady_clock::now() >= deadline) return lock;
+    std::this_thread::sleep_for(kTryAgain);
+  }
+}
+
 process::LockFile taken(const std::string& path, const std::string& whose) {
-  std::optional<process::LockFile> lock = process::LockFile::take(path);
+  std::optional<process::LockFile> lock = take(path);
   if (!lock) throw NodeHeld(whose + " is held by " + process::lock_holder(path));
   return std::move(*lock);
 }

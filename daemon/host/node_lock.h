@@ -18,6 +18,7 @@ struct NodeHeld : std::runtime_error {
 /// program, working folder and the arguments.
 class NodeLock {
  public:
+  /// Waits for 200 ms where somebody holds it, who may be ending.
   /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming
   ///        the file and what is wrong with it
   NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name);

@@ -4,10 +4,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
+#include <memory>
 #include <stdexcept>
+#include <thread>
 
 #include "limb_ring/ring_directory.h"
 #include "support/runtime_folder.h"
@@ -53,6 +57,14 @@ TEST_F(NodeLockTest, IsPerNode) {
 TEST_F(NodeLockTest, IsGivenUpInTheEnd) {
   { const NodeLock held(directory, "r", 3, "left_knee"); }
   EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(NodeLockTest, IsTakenFromAHolderThatTakesAMomentToEnd) {
+  auto held = std::make_unique<NodeLock>(directory, "r", 3, "left_knee");
+  auto second = std::async(std::launch::async, [this] { return refusal(); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // what it takes to end
+  held.reset();
+  EXPECT_EQ(second.get(), "");
 }
 
 TEST_F(NodeLockTest, IsGivenUpByAProcessThatIsKilled) {
