@@ -12,7 +12,11 @@ namespace limb_ring::bridge {
 namespace {
 
 constexpr unsigned kUnderWay = 2;
+constexpr std::chrono::milliseconds kPatience{50};  // of a set, for commands to nodes alone
 constexpr std::uint8_t kCommandPriority = 0;
+/// Of what a set's refusal leads to: one to a node whose CPU has just crashed is tried again for a second, and holds
+/// its priority back. The next sets pass it.
+constexpr std::uint8_t kAfterRefusal = 1;
 
 payload::CommandSet set_of(const std::vector<CommandSplit::Part>& parts) {
   payload::CommandSet set;
@@ -33,7 +37,8 @@ void CommandSender::offer(const std::vector<Part>& parts) {
     if (broadcast_)
       put_in_wait(part);
     else if (!is_silent(part.node))
-      by_node_[part.node].under_way < kUnderWay ? send_alone(part.node, part.command) : put_in_wait(part);
+      by_node_[part.node].under_way < kUnderWay ? send_alone(part.node, part.command, kCommandPriority)
+                                                : put_in_wait(part);
   }
   if (broadcast_) send_set();
 }
@@ -52,6 +57,11 @@ void CommandSender::put_in_wait(const Part& part) {
 // ---- to one node ----------------------------------------------------------------------------
 
 void CommandSender::send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done) {
+  send_with(kCommandPriority, node, std::move(command), std::move(done));
+}
+
+void CommandSender::send_with(std::uint8_t priority, std::uint8_t node, payload::JointCommand command,
+                              RingPort::OnResult done) {
   NodeCommands& commands = by_node_[node];
   command.sequence = broadcast_ ? sequence_++ : commands.sequence++;
   const auto bytes = payload::encode(command);
@@ -62,19 +72,20 @@ void CommandSender::send(std::uint8_t node, payload::JointCommand command, RingP
   }
   ++commands.under_way;
   ++alone_under_way_;
-  port_.send({node, kCommandPriority, payload::kJointChannel, *bytes}, [this, node, done](const Result& result) {
+  alone_sent_ = port_.now();
+  port_.send({node, priority, payload::kJointChannel, *bytes}, [this, node, done](const Result& result) {
     on_result(node, result);
     done(result);
   });
 }
 
-void CommandSender::send_alone(std::uint8_t node, const payload::JointCommand& command) {
-  send(node, command, [](const Result&) {});
+void CommandSender::send_alone(std::uint8_t node, const payload::JointCommand& command, std::uint8_t priority) {
+  send_with(priority, node, command, [](const Result&) {});
 }
 
-void CommandSender::send_each(const std::vector<Part>& parts) {
+void CommandSender::send_each(const std::vector<Part>& parts, std::uint8_t priority) {
   for (const Part& part : parts)
-    if (!is_silent(part.node)) send_alone(part.node, part.command);
+    if (!is_silent(part.node)) send_alone(part.node, part.command, priority);
 }
 
 void CommandSender::on_result(std::uint8_t node, const Result& result) {
@@ -84,17 +95,21 @@ void CommandSender::on_result(std::uint8_t node, const Result& result) {
   --alone_under_way_;
   if (!port_.connected()) return drop_waiting();
   if (broadcast_) return send_set();
-  if (commands.waiting.size() != 0) send_alone(node, *commands.waiting.take());
+  if (commands.waiting.size() != 0) send_alone(node, *commands.waiting.take(), kCommandPriority);
+}
+
+bool CommandSender::waits_for_those_alone() const {
+  return alone_under_way_ != 0 && port_.now() < alone_sent_ + kPatience;
 }
 
 // ---- to several -----------------------------------------------------------------------------
 
 // What is for one node alone is sent to it, and again where that refuses it.
 void CommandSender::send_set() {
-  while (!set_under_way_ && alone_under_way_ == 0) {
+  while (!set_under_way_ && !waits_for_those_alone()) {
     const std::vector<Part> parts = take_oldest();
     if (parts.empty()) return;
-    parts.size() > 1 ? broadcast(parts) : send_each(parts);
+    parts.size() > 1 ? broadcast(parts) : send_each(parts, kCommandPriority);
   }
 }
 
@@ -135,8 +150,8 @@ void CommandSender::broadcast(const std::vector<Part>& parts) {
 void CommandSender::on_set_result(const std::vector<Part>& parts, const Result& result) {
   set_under_way_ = false;
   if (!port_.connected()) drop_waiting();
-  if (result.outcome == Outcome::refused)
-    send_each(parts);
+  if (result.outcome == Outcome::refused && alone_under_way_ == 0)
+    send_each(parts, kAfterRefusal);
   else
     count(result, parts.size());
   send_set();

@@ -22,7 +22,7 @@ namespace limb_ring::bridge {
 /// With `bridge: {broadcast_commands: true}` what is for several nodes goes as one broadcast, a command set, of which
 /// one is under way at a time. It is for silent nodes as well: there they hold up nothing. A broadcast is not sent
 /// again for a refusal; so where a node has refused it, the commands go to each of its nodes alone. The next set waits
-/// for those. (ours)
+/// for those, but for 50 ms at most; if it is refused while some of them are still under way, that is its end. (ours)
 class CommandSender {
  public:
   /// Whether a node (by id) sends states of its joints.
@@ -46,9 +46,11 @@ class CommandSender {
 
   bool is_silent(std::uint8_t node);
   void put_in_wait(const Part& part);
-  void send_alone(std::uint8_t node, const payload::JointCommand& command);
-  void send_each(const std::vector<Part>& parts);
+  void send_with(std::uint8_t priority, std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);
+  void send_alone(std::uint8_t node, const payload::JointCommand& command, std::uint8_t priority);
+  void send_each(const std::vector<Part>& parts, std::uint8_t priority);
   void on_result(std::uint8_t node, const Result& result);
+  bool waits_for_those_alone() const;
   void send_set();
   std::vector<Part> take_oldest();
   void broadcast(const std::vector<Part>& parts);
@@ -61,7 +63,8 @@ class CommandSender {
   Speaks speaks_;
   Counters& counters_;
   std::map<std::uint8_t, NodeCommands> by_node_;
-  unsigned alone_under_way_ = 0;  ///< commands to one node
+  unsigned alone_under_way_ = 0;              ///< commands to one node
+  RingPort::Clock::time_point alone_sent_{};  ///< the last of those
   bool set_under_way_ = false;
   std::uint16_t sequence_ = 0;  ///< where sets are sent, for all nodes
 };
