@@ -1,6 +1,6 @@
 #include "ros_bridge/command_sender.h"
 
-#include <algorithm>
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -57,11 +57,11 @@ void CommandSender::put_in_wait(const Part& part) {
 // ---- to one node ----------------------------------------------------------------------------
 
 void CommandSender::send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done) {
-  send_with(kCommandPriority, node, std::move(command), std::move(done));
+  send_alone(node, std::move(command), kCommandPriority, std::move(done));
 }
 
-void CommandSender::send_with(std::uint8_t priority, std::uint8_t node, payload::JointCommand command,
-                              RingPort::OnResult done) {
+void CommandSender::send_alone(std::uint8_t node, payload::JointCommand command, std::uint8_t priority,
+                               RingPort::OnResult done) {
   NodeCommands& commands = by_node_[node];
   command.sequence = broadcast_ ? sequence_++ : commands.sequence++;
   const auto bytes = payload::encode(command);
@@ -77,10 +77,6 @@ void CommandSender::send_with(std::uint8_t priority, std::uint8_t node, payload:
     on_result(node, result);
     done(result);
   });
-}
-
-void CommandSender::send_alone(std::uint8_t node, const payload::JointCommand& command, std::uint8_t priority) {
-  send_with(priority, node, command, [](const Result&) {});
 }
 
 void CommandSender::send_each(const std::vector<Part>& parts, std::uint8_t priority) {

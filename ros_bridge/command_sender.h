@@ -46,8 +46,9 @@ class CommandSender {
 
   bool is_silent(std::uint8_t node);
   void put_in_wait(const Part& part);
-  void send_with(std::uint8_t priority, std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);
-  void send_alone(std::uint8_t node, const payload::JointCommand& command, std::uint8_t priority);
+  void send_alone(
+      std::uint8_t node, payload::JointCommand command, std::uint8_t priority,
+      RingPort::OnResult done = [](const Result&) {});
   void send_each(const std::vector<Part>& parts, std::uint8_t priority);
   void on_result(std::uint8_t node, const Result& result);
   bool waits_for_those_alone() const;

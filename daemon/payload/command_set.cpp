@@ -62,12 +62,8 @@ std::size_t encoded_size(const CommandSet::Part& part) {
 Encoded encode(const CommandSet& set) {
   if (set.stamp_ns < 0) return EncodeFailure{EncodeError::bad_field, 0};
   ByteWriter writer;
-  writer.head(PacketType::command_set);
-  writer.u16(set.sequence);
-  writer.i64(set.stamp_ns);
-  writer.u32(set.valid_for_us);
-  writer.u8(0);
-  writer.u8(static_cast<std::uint8_t>(set.parts.size()));
+  put(writer, PacketType::command_set,
+      {set.sequence, set.stamp_ns, set.valid_for_us, 0, static_cast<std::uint8_t>(set.parts.size())});
   for (std::size_t i = 0; i < set.parts.size(); ++i) {
     if (const auto wrong = wrong_at(set, i)) return EncodeFailure{*wrong, i};
     put(writer, set.parts[i]);
@@ -79,18 +75,15 @@ Encoded encode(const CommandSet& set) {
 Decoded<CommandSet> decode_command_set(ByteView packet) {
   if (packet.size > kMaxPacket) return DecodeError::trailing_bytes;
   ByteReader reader(packet);
-  if (const auto wrong = reader.head(PacketType::command_set)) return *wrong;
+  const auto head = get_head(reader, PacketType::command_set, kCommandSaturated);
+  if (!head) return head.error();
   CommandSet set;
-  set.sequence = reader.u16();
-  set.stamp_ns = reader.i64();
-  set.valid_for_us = reader.u32();
-  const auto flags = reader.u8();
-  const std::size_t parts = reader.u8();
-  if (reader.ended_early()) return DecodeError::truncated;
-  if ((flags & ~kCommandSaturated) != 0 || set.stamp_ns < 0) return DecodeError::bad_field;
-  set.saturated = (flags & kCommandSaturated) != 0;
-  set.parts.resize(parts);
-  for (std::size_t i = 0; i < parts; ++i) {
+  set.sequence = head->sequence;
+  set.stamp_ns = head->stamp_ns;
+  set.valid_for_us = head->valid_for_us;
+  set.saturated = (head->flags & kCommandSaturated) != 0;
+  set.parts.resize(head->count);
+  for (std::size_t i = 0; i < set.parts.size(); ++i) {
     if (const auto wrong = get(reader, set.parts[i])) return *wrong;
     if (is_twice(set, i)) return DecodeError::bad_field;
   }

@@ -20,12 +20,9 @@ Encoded encode(const JointCommand& command) {
   if (command.joints.size() > kMaxCommandJoints) return EncodeFailure{EncodeError::too_many_items, kMaxCommandJoints};
   if (command.stamp_ns < 0) return EncodeFailure{EncodeError::bad_field, 0};
   ByteWriter writer;
-  writer.head(PacketType::joint_command);
-  writer.u16(command.sequence);
-  writer.i64(command.stamp_ns);
-  writer.u32(command.valid_for_us);
-  writer.u8(command.resume ? kResume : std::uint8_t{0});
-  writer.u8(static_cast<std::uint8_t>(command.joints.size()));
+  put(writer, PacketType::joint_command,
+      {command.sequence, command.stamp_ns, command.valid_for_us, command.resume ? kResume : std::uint8_t{0},
+       static_cast<std::uint8_t>(command.joints.size())});
   for (std::size_t i = 0; i < command.joints.size(); ++i) {
     if (has_nan(command.joints[i])) return EncodeFailure{EncodeError::not_a_number, i};
     put(writer, command.joints[i]);
@@ -35,18 +32,15 @@ Encoded encode(const JointCommand& command) {
 
 Decoded<JointCommand> decode_joint_command(ByteView packet) {
   ByteReader reader(packet);
-  if (const auto wrong = reader.head(PacketType::joint_command)) return *wrong;
+  const auto head = get_head(reader, PacketType::joint_command, kResume | kCommandSaturated);
+  if (!head) return head.error();
   JointCommand command;
-  command.sequence = reader.u16();
-  command.stamp_ns = reader.i64();
-  command.valid_for_us = reader.u32();
-  const auto flags = reader.u8();
-  const std::size_t count = reader.u8();
-  if (reader.ended_early()) return DecodeError::truncated;
-  if ((flags & ~(kResume | kCommandSaturated)) != 0 || command.stamp_ns < 0) return DecodeError::bad_field;
-  command.resume = (flags & kResume) != 0;
-  command.saturated = (flags & kCommandSaturated) != 0;
-  if (const auto wrong = get_joints(reader, count, command)) return *wrong;
+  command.sequence = head->sequence;
+  command.stamp_ns = head->stamp_ns;
+  command.valid_for_us = head->valid_for_us;
+  command.resume = (head->flags & kResume) != 0;
+  command.saturated = (head->flags & kCommandSaturated) != 0;
+  if (const auto wrong = get_joints(reader, head->count, command)) return *wrong;
   return command;
 }
 

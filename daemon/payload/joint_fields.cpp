@@ -10,6 +10,7 @@ namespace limb_ring::payload {
 namespace {
 
 using Joint = JointCommand::Joint;
+constexpr std::size_t kFlagsAt = 16;  // in a packet
 constexpr std::array<std::optional<double> Joint::*, 3> kFields{&Joint::position, &Joint::velocity, &Joint::effort};
 
 std::uint8_t mask_of(const Joint& joint) {
@@ -19,6 +20,28 @@ std::uint8_t mask_of(const Joint& joint) {
 }
 
 }  // namespace
+
+void put(ByteWriter& writer, PacketType type, const CommandHead& head) {
+  writer.head(type);
+  writer.u16(head.sequence);
+  writer.i64(head.stamp_ns);
+  writer.u32(head.valid_for_us);
+  writer.u8(head.flags);
+  writer.u8(head.count);
+}
+
+Decoded<CommandHead> get_head(ByteReader& reader, PacketType type, std::uint8_t known) {
+  if (const auto wrong = reader.head(type)) return *wrong;
+  CommandHead head;
+  head.sequence = reader.u16();
+  head.stamp_ns = reader.i64();
+  head.valid_for_us = reader.u32();
+  head.flags = reader.u8();
+  head.count = reader.u8();
+  if (reader.ended_early()) return DecodeError::truncated;
+  if ((head.flags & ~known) != 0 || head.stamp_ns < 0) return DecodeError::bad_field;
+  return head;
+}
 
 bool has_nan(const Joint& joint) {
   for (const auto field : kFields)
@@ -38,7 +61,7 @@ void put(ByteWriter& writer, const Joint& joint) {
     if (!(joint.*field)) continue;
     const auto fixed = to_fixed(*(joint.*field), kMicro);
     writer.i32(fixed.steps);
-    if (fixed.saturated) writer.at(kCommandFlagsAt) |= kCommandSaturated;
+    if (fixed.saturated) writer.at(kFlagsAt) |= kCommandSaturated;
   }
 }
 
