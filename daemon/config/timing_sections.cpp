@@ -53,8 +53,10 @@ const Section<Timeouts>& timeouts_section() {
 
 const Section<Firmware>& firmware_section() {
   static const Section<Firmware> section{
-      real_option("state_rate", &Firmware::state_rate, {1, 1000, "Hz"},
-                  "How often a limb sends the state of its joints."),
+      real_option(
+          "state_rate", &Firmware::state_rate, {1, 1000, "Hz"},
+          "How often a limb sends the state of its joints. limb_firmware takes what comes less than 1 ms before "
+          "a sample with it, on a living ring."),
       real_option("bandwidth", &Firmware::bandwidth, {0.1, 100, "Hz"}, "Natural frequency of the simulated servo."),
       real_option("damping", &Firmware::damping, {0.05, 5, "(a ratio)"},
                   "Damping ratio of the simulated servo; 1 is critical."),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <stdexcept>
+#include <thread>
 
 #include <unistd.h>
 
@@ -16,6 +17,9 @@ using std::chrono::milliseconds;
 
 constexpr int kMessagesPerTurn = 64;  // then the joints are due again, however many wait
 constexpr milliseconds kSignalSeen{100};
+/// What comes in while a sample is due so soon is taken with it, as by a control loop, which reads its commands once in
+/// a period. At 1 kHz a wake-up of its own for each command costs as much as all the rest.
+constexpr milliseconds kControlPeriod{1};
 
 /// One run of the CPU: what a turn of the loop needs.
 class Run {
@@ -114,7 +118,10 @@ class Run {
     if (const auto due = cpu_.due()) until = std::min(until, *due);
     if (hang_at_) until = std::min(until, *hang_at_);
     if (loop_at_) until = std::min(until, *loop_at_);
-    message_ = port_.receive(std::max(until - now, nanoseconds(0)));
+    const nanoseconds left = std::max(until - now, nanoseconds(0));
+    const bool is_short = left <= kControlPeriod && !port_.in_lockstep();
+    if (is_short) std::this_thread::sleep_for(left);
+    message_ = port_.receive(is_short ? nanoseconds(0) : left);
   }
 
   HostPort& port_;

@@ -4,10 +4,11 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <csignal>
-#include <iterator>
 
+#include <csignal>
+#include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -49,13 +50,20 @@ class Child {
   std::string said() const { return content(stderr_file_); }
   /// Whether `signal` was sent to it and it does not take it.
   bool leaves_pending(int signal) const {
-    std::istringstream status(content("/proc/" + std::to_string(pid_) + "/status"));
-    for (std::string line; std::getline(status, line);)
-      if (line.rfind("ShdPnd:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
-    return false;
+    const std::string pending = status("ShdPnd:");
+    return !pending.empty() && (std::stoull(pending, nullptr, 16) >> (signal - 1) & 1) != 0;
   }
+  /// How often it has given its core up so far, to sleep or to wait for something.
+  std::uint64_t waits() const { return std::stoull(status("voluntary_ctxt_switches:")); }
 
  private:
+  /// What /proc says of it under that name; empty where it has ended.
+  std::string status(const std::string& name) const {
+    std::istringstream lines(content("/proc/" + std::to_string(pid_) + "/status"));
+    for (std::string line; std::getline(lines, line);)
+      if (line.rfind(name, 0) == 0) return line.substr(name.size());
+    return {};
+  }
   static std::string content(const std::string& path) {
     std::ifstream file(path);
     return {std::istreambuf_iterator<char>(file), {}};

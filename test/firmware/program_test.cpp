@@ -91,6 +91,22 @@ TEST_F(ProgramTest, SendsItsStatesToTheBodyAtTheHighestPriorityInOrder) {
   }
 }
 
+// A wake-up for each command would double what a CPU costs at 1 kHz.
+TEST_F(ProgramTest, TakesACommandWithItsNextSampleIfThatIsDueSoon) {
+  std::ofstream(config(), std::ios::app) << "firmware: {state_rate: 1000}\n";
+  start();
+  const auto sent = handler.when_sent;
+  handler.when_sent = [this, sent](const FakeHandler::Call& call) {
+    sent(call);
+    if (server->cpu_can_take()) give(2, *encode(move_to(0.5, wall_ns())));
+  };
+  until([this] { return last && last->mode.commanded; });
+  const std::uint64_t waits = child->waits();
+  const std::size_t states = handler.sends.size();
+  until([this, states] { return handler.sends.size() >= states + 200; });
+  EXPECT_LT(child->waits() - waits, (handler.sends.size() - states) * 3 / 2);
+}
+
 TEST_F(ProgramTest, MovesOnCommandAndGoesSafeWithoutOne) {
   start();
   until([this] {
