@@ -58,7 +58,7 @@ test-quick: deps ## The quick tests, under address and undefined behaviour sanit
 	cd $(BUILD)-quick && LIMB_RING_SEEDS=10 GTEST_FILTER=-*InWideWorlds:*KeptDeadline* ctest -j$(JOBS) --output-on-failure -R '^($(subst $(SPACE),|,$(strip $(QUICK_TESTS))))$$'
 
 # Those of living rings mostly wait.
-TESTS_AT_ONCE = $$((3 * $(JOBS)))
+TESTS_AT_ONCE = $$((4 * $(JOBS)))
 ifeq ($(SANITIZE),)
 test: tests ## Builds and runs all tests (SANITIZE=address,undefined: what needs no ROS, under sanitizers)
 	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest -j$(TESTS_AT_ONCE) --output-on-failure

@@ -73,7 +73,7 @@ add_test(NAME roslaunch_check COMMAND ${CATKIN_ENV} ${PYTHON_EXECUTABLE} ${rosla
 set_tests_properties(roslaunch_check PROPERTIES ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home")
 # Several hosts by roslaunch's machine tags; says so where there is no SSH server to be had.
 add_test(NAME machines COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/machines_test.py)
-set_tests_properties(machines PROPERTIES TIMEOUT 180 RUN_SERIAL TRUE SKIP_REGULAR_EXPRESSION "skipped: "
+set_tests_properties(machines PROPERTIES TIMEOUT 180 PROCESSORS 2 RESOURCE_LOCK hosts COST 60 SKIP_REGULAR_EXPRESSION "skipped: "
   ENVIRONMENT "RING_TEST_PROGRAMS=$<TARGET_FILE_DIR:ringd>;PYTHONDONTWRITEBYTECODE=1")
 add_test(NAME enter_build COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/enter_build_test.py
          ${CATKIN_DEVEL_PREFIX}/setup.bash)
