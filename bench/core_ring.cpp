@@ -1,6 +1,7 @@
 #include "core_ring.h"
 
 #include <memory>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace limb_ring::hops {
 namespace {
 
 using wire::NodeId;
+
+/// Until every node sends, and every buffer has been used.
+constexpr unsigned kLapsBefore = 8;
 
 sim::VirtualRingOptions options_for(unsigned nodes) {
   sim::VirtualRingOptions options;
@@ -34,7 +38,8 @@ std::uint64_t carried(const sim::VirtualRing& ring) {
   return hops;
 }
 
-/// Every node sends to the one opposite, and again whenever its packet is back.
+/// Every node sends to the one opposite, and again whenever its packet is back. They begin at random within a lap, as
+/// CPUs do: where all begin in one instant they stay in step, and the clock has a tenth of the instants to visit.
 void keep_busy(sim::VirtualRing& ring) {
   const auto send = [&ring, data = std::vector<std::uint8_t>(kPayload, 0x5A)](NodeId id) {
     ring.send(id, static_cast<NodeId>((id + ring.size() / 2) % ring.size()), data);
@@ -45,7 +50,10 @@ void keep_busy(sim::VirtualRing& ring) {
     if (ended->outcome != core::Outcome::delivered) throw std::runtime_error("the core did not deliver a packet");
     send(id);
   };
-  for (unsigned id = 0; id < ring.size(); ++id) send(static_cast<NodeId>(id));
+  std::mt19937 random(kSeed);
+  std::uniform_int_distribution<std::int64_t> within_lap(0, (kPacket * static_cast<int>(ring.size())).count());
+  for (unsigned id = 0; id < ring.size(); ++id)
+    ring.at(ring.now() + std::chrono::nanoseconds(within_lap(random)), [send, id] { send(static_cast<NodeId>(id)); });
 }
 
 }  // namespace
@@ -56,6 +64,7 @@ double core_ring(unsigned nodes, std::uint64_t hops, bool invariants) {
   if (invariants) checks = std::make_unique<sim::Invariants>(ring);
   ring.join();
   keep_busy(ring);
+  ring.run_for(kPacket * static_cast<int>(nodes * kLapsBefore));
   const std::uint64_t before = carried(ring);
   const Stopwatch watch;
   while (carried(ring) - before < hops) ring.run_for(kPacket * static_cast<int>(nodes));
