@@ -69,6 +69,7 @@ void PacketLoop::change(const std::shared_ptr<Watch::State>& watch, int operatio
 
 void PacketLoop::remove(std::shared_ptr<Watch::State> watch) {
   watch->loop = nullptr;
+  if (last_found_ == watch.get()) last_found_ = nullptr;
   if (!set_.valid()) return;
   ::epoll_ctl(set_.get(), EPOLL_CTL_DEL, watch->fd, nullptr);
   --watches_;
@@ -98,6 +99,8 @@ void PacketLoop::finish_soon() {
 }
 
 bool PacketLoop::turn(bool may_sleep) {
+  if (sharing_.have_run() && look_first()) return true;
+  asked_ = true;
   epoll_event ready[kMostEvents];
   const int count = ::epoll_wait(set_.get(), ready, kMostEvents, may_sleep ? -1 : 0);
   bool any = false;
@@ -114,6 +117,18 @@ bool PacketLoop::turn(bool may_sleep) {
   }
   end_turn();
   return any;
+}
+
+// Others of this core have run, so most likely there is something where packets have come last. Where there is, the
+// kernel need not be asked; it is in every second turn, for all else.
+bool PacketLoop::look_first() {
+  if (!std::exchange(asked_, false) || last_found_ == nullptr) return false;
+  const Watch::State& watch = *std::exchange(last_found_, nullptr);
+  found_ = false;
+  in_turn_ = true;
+  watch.on_ready(0);
+  end_turn();
+  return found_;
 }
 
 void PacketLoop::catch_up() {

@@ -59,9 +59,14 @@ class PacketLoop final : public boost::asio::execution_context::service {
   void change(const std::shared_ptr<Watch::State>& watch, int operation);
   void remove(std::shared_ptr<Watch::State> watch);
   void call_later(const std::shared_ptr<Watch::State>& watch);
+  void found_packets(const Watch::State& watch) {
+    last_found_ = &watch;
+    found_ = true;
+  }
 
   /// @return whether anything but the cold timer was ready
   bool turn(bool may_sleep);
+  bool look_first();
   void call_those_again();
   void end_turn();
   /// A turn that does not wait: does what was asked for outside of a turn.
@@ -83,6 +88,9 @@ class PacketLoop final : public boost::asio::execution_context::service {
   Clock::time_point last_polled_{};  ///< Asio
   unsigned in_a_row_ = 0;            ///< times that something came soon after the last
   std::size_t watches_ = 0;
+  const Watch::State* last_found_ = nullptr;  ///< where packets have come last
+  bool found_ = false;                        ///< in this turn
+  bool asked_ = false;                        ///< the kernel what is ready, in the last turn
   bool asio_waits_ = false;
   bool running_ = false;  ///< in run()
   bool in_turn_ = false;

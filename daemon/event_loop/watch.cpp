@@ -32,6 +32,8 @@ void Watch::call_again() {
   state_->loop->call_later(state_);
 }
 
+void Watch::found_packets() { state_->loop->found_packets(*state_); }
+
 void Watch::stop() {
   if (!state_ || state_->loop == nullptr) return;
   state_->loop->remove(std::move(state_));

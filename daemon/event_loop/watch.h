@@ -33,6 +33,9 @@ class Watch {
   void set_events(std::uint32_t events);
   /// Calls back in the loop's next turn even if nothing comes; the others get their turn before. @pre watching
   void call_again();
+  /// Packets have come this way: the loop may look here first, by a call with 0, before it asks the kernel what is
+  /// ready. @pre watching
+  void found_packets();
   /// No call after this, also not one that is due. May be called from within a call.
   void stop();
 

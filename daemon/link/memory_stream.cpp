@@ -41,6 +41,7 @@ bool MemoryStream::read_once() {
     return false;
   }
   if (got == 0) return false;
+  woken_.found_packets();
   if (queue_.must_tell_of_room()) say_alive();
   take(static_cast<std::size_t>(got));
   return open();

@@ -100,6 +100,7 @@ bool UdpInput::read_run(Time now) {
   UdpAddress sender;
   const UdpRead read = receive_run(socket_.native_handle(), buffer_.data(), buffer_.size(), sender);
   if (read.size < 0) return false;
+  watch_.found_packets();
   take_run({buffer_.data(), static_cast<std::size_t>(read.size)}, read.segment, sender, now);
   return true;
 }

@@ -28,6 +28,7 @@ void UnixStream::read() {
   const std::size_t space = feed_.space_size();
   const auto got = receive_now(socket_.get(), feed_.space(), space);
   if (got > 0) {
+    watch_.found_packets();
     take(static_cast<std::size_t>(got));
     if (open() && (ending_ || static_cast<std::size_t>(got) == space)) watch_.call_again();
     return;

@@ -1,6 +1,7 @@
 #include "event_loop/packet_loop.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 
@@ -129,6 +130,37 @@ TEST_P(Loop, ALevelCallsInEachTurnUntilNothingIsLeft) {
       Watch::Trigger::level);
   run();
   EXPECT_EQ(calls, 3);
+}
+
+TEST(LoopOnOneCore, LooksFirstWherePacketsHaveComeAndStillSeesWhatComesElsewhere) {
+  cpu_set_t before, one;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof before, &before), 0);
+  int core = 0;
+  while (!CPU_ISSET(core, &before)) ++core;
+  CPU_ZERO(&one);
+  CPU_SET(core, &one);
+  ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
+  boost::asio::io_context io;
+  process::UniqueFd fd{::eventfd(1, EFD_NONBLOCK)};
+  boost::asio::steady_timer guard(io, std::chrono::seconds(30));
+  guard.async_wait([&io](const boost::system::error_code&) { io.stop(); });
+  process::UniqueFd other{::eventfd(0, EFD_NONBLOCK)};
+  Watch elsewhere(io, other.get(), EPOLLIN, [&io](std::uint32_t) { io.stop(); });
+  int looks = 0, found = 0;
+  Watch packets;
+  packets = Watch(io, fd.get(), EPOLLIN, [&](std::uint32_t events) {
+    looks += events == 0;
+    eventfd_t count;
+    if (::eventfd_read(fd.get(), &count) != 0) return;
+    packets.found_packets();
+    ::eventfd_write(fd.get(), 1);
+    if (events == 0 && ++found == 3) ::eventfd_write(other.get(), 1);
+  });
+  PacketLoop::of(io).run();
+  EXPECT_GE(found, 3);
+  EXPECT_LE(found, 4);
+  EXPECT_EQ(looks, found);
+  ASSERT_EQ(::sched_setaffinity(0, sizeof before, &before), 0);
 }
 
 TEST_P(Loop, NoCallAfterStopAlsoWhereBothWereReady) {
