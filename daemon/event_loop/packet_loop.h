@@ -14,8 +14,9 @@
 namespace limb_ring::event_loop {
 
 /// The part of an event loop that packets pass through, one for each io_context. Its descriptors stay in an epoll set
-/// of its own: a packet costs one system call to wait for it, and those that read and write it. Boost.Asio makes one
-/// more each time it waits for a descriptor again; it handles what is rare: timers, connections, signals. (ours)
+/// of its own: a packet costs at most one system call to wait for it, and those that read and write it. Boost.Asio
+/// makes one more each time it waits for a descriptor again; it handles what is rare: timers, connections, signals.
+/// (ours)
 ///
 /// While nothing passes, Asio waits for the set as for any descriptor. While packets pass, run() waits on the set
 /// itself, and lets Asio see to its own every kColdPeriod. A program that calls io_context::run() instead gets the same
