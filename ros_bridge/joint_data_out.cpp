@@ -11,6 +11,9 @@ namespace {
 
 using Kind = config::SensorConfig::Kind;
 
+/// For so long a desktop leaves a process that wants to run: ten periods or more at 1 kHz.
+constexpr std::chrono::milliseconds kLongestPause{30};
+
 std::chrono::nanoseconds period_of(double rate) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(1 / rate));
 }
@@ -98,7 +101,7 @@ void JointDataOut::publish_states() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     if (!port_.connected()) store_.forget();
-    snapshot = store_.snapshot(port_.now());
+    snapshot = store_.snapshot(port_.now(), longest_pause());
     silent_ = snapshot.silent;
   }
   if (snapshot.fresh.empty()) return;
@@ -108,6 +111,10 @@ void JointDataOut::publish_states() {
   const auto states = to_joint_state(snapshot.fresh, port_.ros_clock().to_ros(snapshot.oldest_stamp_ns));
   states_.publish(states);
   published_(states.header.stamp);
+}
+
+std::chrono::milliseconds JointDataOut::longest_pause() const {
+  return port_.in_lockstep() ? std::chrono::milliseconds(0) : kLongestPause;
 }
 
 // "NOW NODE:STAMP NODE:STAMP ...", times in ns of the clock of stamps.
@@ -129,7 +136,7 @@ JointStore::Received JointDataOut::received(std::uint8_t node) const {
 
 bool JointDataOut::speaks(std::uint8_t node) const {
   std::lock_guard<std::mutex> lock(mutex_);
-  return store_.speaks(node, port_.now());
+  return store_.speaks(node, port_.now(), longest_pause());
 }
 
 }  // namespace limb_ring::bridge

@@ -44,6 +44,7 @@ class JointDataOut {
   void take_state(const Packet& packet);
   void take_reading(const Packet& packet);
   void publish_states();
+  std::chrono::milliseconds longest_pause() const;
   void note(const JointStore::Snapshot& snapshot);
   void advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring);
   void publish_sample(std::uint8_t node, const payload::JointState& state);

@@ -59,15 +59,15 @@ void JointStore::forget() {
   for (auto& [id, node] : nodes_) node.heard = false;
 }
 
-bool JointStore::is_fresh(const Node& node, Clock::time_point now) const {
-  return node.heard && now - node.arrived <= silence_;
+bool JointStore::is_fresh(const Node& node, Clock::time_point now, Clock::duration pause) const {
+  return node.heard && now - node.arrived <= std::max(silence_, pause);
 }
 
-JointStore::Snapshot JointStore::snapshot(Clock::time_point now) const {
+JointStore::Snapshot JointStore::snapshot(Clock::time_point now, Clock::duration pause) const {
   Snapshot snapshot;
   for (const auto id : order_) {
     const Node& node = nodes_.at(id);
-    if (!is_fresh(node, now)) {
+    if (!is_fresh(node, now, pause)) {
       snapshot.silent.insert(snapshot.silent.end(), node.joints.begin(), node.joints.end());
       continue;
     }
@@ -80,9 +80,9 @@ JointStore::Snapshot JointStore::snapshot(Clock::time_point now) const {
   return snapshot;
 }
 
-bool JointStore::speaks(std::uint8_t id, Clock::time_point now) const {
+bool JointStore::speaks(std::uint8_t id, Clock::time_point now, Clock::duration pause) const {
   const auto found = nodes_.find(id);
-  return found != nodes_.end() && is_fresh(found->second, now);
+  return found != nodes_.end() && is_fresh(found->second, now, pause);
 }
 
 JointStore::Received JointStore::received(std::uint8_t id) const {

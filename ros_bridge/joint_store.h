@@ -13,8 +13,8 @@ namespace limb_ring::bridge {
 
 /// The newest state of every node's joints, and which of them can still be believed.
 ///
-/// A node is silent when no state of it has come for three state periods. Its joints are then
-/// listed as silent, and their last state is not shown. Time is an argument.
+/// A node is silent when no state of it has come for three state periods, and for longer than the machine may pause a
+/// process. Its joints are then listed as silent, and their last state is not shown. Time is an argument.
 class JointStore {
  public:
   using Clock = std::chrono::steady_clock;
@@ -47,10 +47,11 @@ class JointStore {
   bool take(std::uint8_t node, const payload::JointState& state, Clock::time_point now);
   /// The connection to the ring was lost: every node is silent until its next state comes.
   void forget();
-  Snapshot snapshot(Clock::time_point now) const;
+  /// @param pause for so long the machine may not run a process; 0 where the ring's time waits for all
+  Snapshot snapshot(Clock::time_point now, Clock::duration pause = {}) const;
   Received received(std::uint8_t node) const;
   /// The node owns joints, and they are not silent.
-  bool speaks(std::uint8_t node, Clock::time_point now) const;
+  bool speaks(std::uint8_t node, Clock::time_point now, Clock::duration pause = {}) const;
 
  private:
   struct Node {
@@ -60,7 +61,7 @@ class JointStore {
     payload::JointState state;
     Received received;
   };
-  bool is_fresh(const Node& node, Clock::time_point now) const;
+  bool is_fresh(const Node& node, Clock::time_point now, Clock::duration pause) const;
 
   Clock::duration silence_;
   std::vector<std::uint8_t> order_;

@@ -10,6 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 constexpr std::uint8_t kKnee = 7, kHip = 3;
 
@@ -31,6 +32,18 @@ class Joints : public ::testing::Test {
   JointStore store{small_robot()};  // 100 Hz: silent after 30 ms
   JointStore::Clock::time_point now{1h};
 };
+
+TEST_F(Joints, AreNotSilentWhileTheMachineMayHavePausedTheirNode) {
+  take(kHip, 0, 100, {1, 2});
+  now += 31ms;
+  EXPECT_THAT(fresh(), IsEmpty());
+  EXPECT_FALSE(store.speaks(kHip, now));
+  EXPECT_THAT(store.snapshot(now, 40ms).fresh, SizeIs(2));
+  EXPECT_TRUE(store.speaks(kHip, now, 40ms));
+  now += 10ms;
+  EXPECT_THAT(store.snapshot(now, 40ms).fresh, IsEmpty());
+  EXPECT_FALSE(store.speaks(kHip, now, 40ms));
+}
 
 TEST_F(Joints, AreSilentUntilTheirNodeSpeaks) {
   EXPECT_THAT(fresh(), IsEmpty());
