@@ -124,11 +124,10 @@ bool PacketLoop::turn(bool may_sleep) {
 bool PacketLoop::look_first() {
   if (!std::exchange(asked_, false) || last_found_ == nullptr) return false;
   const Watch::State& watch = *std::exchange(last_found_, nullptr);
-  found_ = false;
   in_turn_ = true;
   watch.on_ready(0);
   end_turn();
-  return found_;
+  return last_found_ != nullptr;
 }
 
 void PacketLoop::catch_up() {

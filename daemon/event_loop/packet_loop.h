@@ -60,13 +60,11 @@ class PacketLoop final : public boost::asio::execution_context::service {
   void change(const std::shared_ptr<Watch::State>& watch, int operation);
   void remove(std::shared_ptr<Watch::State> watch);
   void call_later(const std::shared_ptr<Watch::State>& watch);
-  void found_packets(const Watch::State& watch) {
-    last_found_ = &watch;
-    found_ = true;
-  }
+  void found_packets(const Watch::State& watch) { last_found_ = &watch; }
 
   /// @return whether anything but the cold timer was ready
   bool turn(bool may_sleep);
+  /// @return whether packets have come where the last ones did
   bool look_first();
   void call_those_again();
   void end_turn();
@@ -90,7 +88,6 @@ class PacketLoop final : public boost::asio::execution_context::service {
   unsigned in_a_row_ = 0;            ///< times that something came soon after the last
   std::size_t watches_ = 0;
   const Watch::State* last_found_ = nullptr;  ///< where packets have come last
-  bool found_ = false;                        ///< in this turn
   bool asked_ = false;                        ///< the kernel what is ready, in the last turn
   bool asio_waits_ = false;
   bool running_ = false;  ///< in run()

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "event_loop/on_one_core.h"
+
 namespace limb_ring::event_loop {
 namespace {
 
@@ -75,20 +77,13 @@ Time ahead(YieldTimes::Duration time) {
   return Time{} + next + time;
 }
 
-/// On one core, which is given back in the end.
-struct CoreSharingOnOneCore : testing::Test {
-  cpu_set_t before{};
+struct CoreSharingOnOneCore : OnOneCore {
   CoreSharing sharing;
 
   void SetUp() override {
+    OnOneCore::SetUp();
     if (::sched_getscheduler(0) != SCHED_OTHER) GTEST_SKIP() << "these tests do not run under SCHED_OTHER";
-    ASSERT_EQ(::sched_getaffinity(0, sizeof before, &before), 0);
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    CPU_SET(::sched_getcpu(), &one);
-    ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
   }
-  void TearDown() override { ::sched_setaffinity(0, sizeof before, &before); }
 };
 
 TEST_F(CoreSharingOnOneCore, InterruptsNobodyWhilePacketsPass) {
