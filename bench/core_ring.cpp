@@ -16,8 +16,8 @@ namespace {
 
 using wire::NodeId;
 
-/// Until every node sends, and every buffer has been used.
-constexpr unsigned kLapsBefore = 8;
+/// In which every node gives one packet onto its line.
+std::chrono::nanoseconds lap_of(unsigned nodes) { return kPacket * static_cast<int>(nodes); }
 
 sim::VirtualRingOptions options_for(unsigned nodes) {
   sim::VirtualRingOptions options;
@@ -51,7 +51,7 @@ void keep_busy(sim::VirtualRing& ring) {
     send(id);
   };
   std::mt19937 random(kSeed);
-  std::uniform_int_distribution<std::int64_t> within_lap(0, (kPacket * static_cast<int>(ring.size())).count());
+  std::uniform_int_distribution<std::int64_t> within_lap(0, lap_of(ring.size()).count());
   for (unsigned id = 0; id < ring.size(); ++id)
     ring.at(ring.now() + std::chrono::nanoseconds(within_lap(random)), [send, id] { send(static_cast<NodeId>(id)); });
 }
@@ -64,10 +64,10 @@ double core_ring(unsigned nodes, std::uint64_t hops, bool invariants) {
   if (invariants) checks = std::make_unique<sim::Invariants>(ring);
   ring.join();
   keep_busy(ring);
-  ring.run_for(kPacket * static_cast<int>(nodes * kLapsBefore));
+  ring.run_for(lap_of(nodes) * kLapsBefore);
   const std::uint64_t before = carried(ring);
   const Stopwatch watch;
-  while (carried(ring) - before < hops) ring.run_for(kPacket * static_cast<int>(nodes));
+  while (carried(ring) - before < hops) ring.run_for(lap_of(nodes));
   const double seconds = watch.seconds();
   if (checks && checks->violation()) throw std::runtime_error("invariant broken: " + checks->violation()->what);
   return static_cast<double>(carried(ring) - before) / seconds;

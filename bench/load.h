@@ -14,7 +14,10 @@ constexpr std::array<unsigned, 2> kSizes{16, 254};  ///< nodes of the rings meas
 constexpr unsigned kPayload = wire::kMaxPayload;
 constexpr std::chrono::nanoseconds kByte{8};
 constexpr std::chrono::nanoseconds kDelay{512};
-constexpr unsigned kSeed = 1;  ///< of the instants at which nodes begin
 constexpr std::chrono::nanoseconds kPacket = kByte * static_cast<int>(wire::kMaxDataPacketSize);
+
+// The core's nodes begin at random within a lap, and are measured when every buffer has been used.
+constexpr unsigned kSeed = 1;
+constexpr unsigned kLapsBefore = 8;
 
 }  // namespace limb_ring::hops

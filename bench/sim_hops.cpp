@@ -57,7 +57,8 @@ void print_notes(const Options& options) {
             << " rounds;\n"
                "cost_N: of a hop, beside the bare loop's; growth: of a hop's cost from "
             << kSizes.front() << " to " << kSizes.back() << " nodes; medians\n"
-            << "core: its nodes begin at random within a lap (seed " << kSeed << "), and are measured after 8 laps\n\n"
+            << "core: its nodes begin at random within a lap (seed " << kSeed << "), and are measured after "
+            << kLapsBefore << " laps\n\n"
             << kBareLoop << '\n'
             << "ns-3: "
             << (ns3_installed() ? "devices that store and forward; per hop one copy, no CRC check; no IP stack\n"
