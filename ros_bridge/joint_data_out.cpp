@@ -11,7 +11,8 @@ namespace {
 
 using Kind = config::SensorConfig::Kind;
 
-/// For so long a desktop leaves a process that wants to run: ten periods or more at 1 kHz.
+/// For so long a desktop may leave a process that wants to run. It is three periods at 100 Hz, so nothing changes
+/// there.
 constexpr std::chrono::milliseconds kLongestPause{30};
 
 std::chrono::nanoseconds period_of(double rate) {
