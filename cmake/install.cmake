@@ -17,6 +17,7 @@ install(TARGETS limb_ring_client limb_ring_payload ARCHIVE DESTINATION ${LIMB_RI
 install(DIRECTORY include/limb_ring/ DESTINATION ${LIMB_RING_INCLUDE})
 install(PROGRAMS examples/walk_controller.py DESTINATION ${LIMB_RING_BIN})
 install(DIRECTORY config examples urdf wireshark DESTINATION ${LIMB_RING_SHARE})
+install(FILES docs/test_vectors.json DESTINATION ${LIMB_RING_SHARE})
 # Scenarios name their rings' files from where they are, which is one folder less here.
 file(GLOB_RECURSE scenarios CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/test test/scenarios/*.yaml)
 foreach(scenario ${scenarios})
