@@ -4,6 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "config/characters.h"
 #include "config/load_ring.h"
 #include "config/names.h"
 #include "config/plain_ring.h"
