@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "recorder/recorder_file.h"
 
@@ -35,13 +36,21 @@ SavedRing save_ring(const std::string& ring_folder, const std::string& to) {
   return saved;
 }
 
-void remove_old_saves(const std::string& folder, const std::string& prefix, std::size_t keep) {
-  std::vector<fs::path> saves;
+void remove_old_saves(const std::string& newest, const std::string& prefix, std::size_t keep) {
+  using Age = std::pair<bool, fs::file_time_type>;  // one from the future was made before the clock was set back
+  std::vector<std::pair<Age, fs::path>> others;
   std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (is_save(it->path().filename().string(), prefix) && it->is_directory(error)) saves.push_back(it->path());
-  std::sort(saves.begin(), saves.end());
-  for (std::size_t i = 0; i + keep < saves.size(); ++i) fs::remove_all(saves[i], error);
+  const auto now = fs::file_time_type::clock::now();
+  const fs::path kept = fs::path(newest).filename();
+  for (fs::directory_iterator it(fs::path(newest).parent_path(), error), end; !error && it != end;
+       it.increment(error)) {
+    const fs::path name = it->path().filename();
+    if (name == kept || !is_save(name.string(), prefix) || !it->is_directory(error)) continue;
+    const auto made = it->last_write_time(error);
+    others.push_back({{made <= now, made}, it->path()});
+  }
+  std::sort(others.begin(), others.end());
+  for (std::size_t i = 0; i + keep < others.size() + 1; ++i) fs::remove_all(others[i].second, error);
 }
 
 }  // namespace limb_ring::recorder

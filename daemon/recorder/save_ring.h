@@ -19,7 +19,11 @@ struct SavedRing {
 /// @throw std::exception where the folder cannot be made
 SavedRing save_ring(const std::string& ring_folder, const std::string& to);
 
-/// Folders in `folder` named `prefix` and a date (2026-11-23_...), all but the `keep` newest by name, are removed.
-void remove_old_saves(const std::string& folder, const std::string& prefix, std::size_t keep);
+/// Removes the saves beside `newest`, the save that has just been made, until `keep` are left with it: the oldest
+/// first. A save is a folder named `prefix` and a date (2026-11-23_...). How old it is says the time at which it was
+/// last written, not its name: local time runs twice through an hour in October. One from the future counts as the
+/// oldest, as it was made before the clock was set back.
+/// @param keep at least 1
+void remove_old_saves(const std::string& newest, const std::string& prefix, std::size_t keep);
 
 }  // namespace limb_ring::recorder

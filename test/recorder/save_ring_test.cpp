@@ -3,9 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "recorder/recorder_file.h"
 #include "sim/virtual_ring.h"
@@ -16,15 +18,60 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(OldSaves, goAndThoseOfAnotherRingWhoseNameBeginsAlikeStay) {
-  const test::TemporaryFolder temporary;
-  const std::string& folder = temporary.path();
+class OldSaves : public testing::Test {
+ protected:
+  /// A folder that was written so many hours ago.
+  void make(const std::string& name, int hours_ago) const {
+    fs::create_directories(path(name));
+    fs::last_write_time(path(name), fs::file_time_type::clock::now() - std::chrono::hours(hours_ago));
+  }
+  std::string path(const std::string& name) const { return temporary_.path() + '/' + name; }
+  std::set<std::string> left() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(temporary_.path())) names.insert(entry.path().filename().string());
+    return names;
+  }
+
+ private:
+  const test::TemporaryFolder temporary_;
+};
+
+TEST_F(OldSaves, goAndThoseOfAnotherRingWhoseNameBeginsAlikeStay) {
   const std::string mine = "leg-2026-11-23_061508_123-crash", newer = "leg-2026-11-23_061600_000-break";
   const std::string others = "leg-8-2026-11-22_061508_123-crash", own = "leg-notes";
-  for (const std::string& name : {mine, newer, others, own}) fs::create_directories(folder + '/' + name);
-  remove_old_saves(folder, "leg-", 1);
-  EXPECT_FALSE(fs::exists(folder + '/' + mine));
-  for (const std::string& name : {newer, others, own}) EXPECT_TRUE(fs::exists(folder + '/' + name)) << name;
+  make(mine, 2);
+  make(others, 3);
+  make(own, 4);
+  make(newer, 0);
+  remove_old_saves(path(newer), "leg-", 1);
+  EXPECT_EQ(left(), (std::set<std::string>{newer, others, own}));
+}
+
+TEST_F(OldSaves, goByTheirAgeThoughLocalTimeHasRunTwiceThroughAnHour) {
+  const std::string summer = "leg-2026-10-25_025500_000-crash", winter = "leg-2026-10-25_020500_000-crash";
+  const std::string newest = "leg-2026-10-25_021500_000-crash";
+  make(summer, 2);
+  make(winter, 1);
+  make(newest, 0);
+  remove_old_saves(path(newest), "leg-", 2);
+  EXPECT_EQ(left(), (std::set<std::string>{winter, newest}));
+}
+
+TEST_F(OldSaves, goBeforeTheNewOnesThoughTheClockWasSetBackBehindThem) {
+  const std::string future = "leg-2030-01-01_000001_000-crash", before = "leg-2026-11-23_061508_123-crash";
+  const std::string newest = "leg-2026-11-23_061600_000-crash";
+  make(future, -1000);
+  make(before, 1);
+  make(newest, 0);
+  remove_old_saves(path(newest), "leg-", 2);
+  EXPECT_EQ(left(), (std::set<std::string>{before, newest}));
+}
+
+TEST_F(OldSaves, neverGoThatHaveJustBeenMade) {
+  make("leg-2030-01-01_000001_000-crash", 0);
+  make("leg-2026-11-23_061508_123-crash", 1000);
+  remove_old_saves(path("leg-2026-11-23_061508_123-crash"), "leg-", 1);
+  EXPECT_EQ(left(), std::set<std::string>{"leg-2026-11-23_061508_123-crash"});
 }
 
 TEST(Save, ofARingGoesOnBehindARecordingThatIsNone) {

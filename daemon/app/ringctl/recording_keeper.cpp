@@ -119,7 +119,10 @@ void RecordingKeeper::save() {
   try {
     const recorder::SavedRing saved = recorder::save_ring(folder_.path(), to);
     for (const std::string& problem : saved.problems) tell_user("not saved: " + problem);
-    recorder::remove_old_saves(options_.folder, prefix, options_.keep);
+    if (saved.recordings != 0)
+      recorder::remove_old_saves(to, prefix, options_.keep);
+    else
+      fs::remove(to);  // empty
     tell_user(words_ + (saved.recordings != 0 ? "; recordings are saved in " + to : "; no recordings could be saved"));
   } catch (const std::exception& problem) {
     tell_user(words_ + "; recordings cannot be saved: " + problem.what());
