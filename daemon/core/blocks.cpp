@@ -13,7 +13,7 @@ Blocks::Blocks(const Settings& settings)
       pins_(settings_, memory_, membership_, counters_, events_),
       returns_(settings_, transmit_, membership_, receive_, pins_, counters_),
       membership_(settings_, transmit_, memory_, counters_, events_),
-      memory_(settings_.send_timeout(), settings_.fold_back) {}
+      memory_(settings_.send_timeout(), settings_.falls_into_parts()) {}
 
 // ---- the lines ----------------------------------------------------------------------------
 

@@ -58,7 +58,8 @@ struct Settings {
   /// Embeds INTPs into a DATP that is on its way out (paper); false only to show what that is worth.
   bool embed_interrupts = true;
 
-  bool fold_back = false;  ///< there is a second, counter-rotating line (ours)
+  bool fold_back = false;      ///< there is a second, counter-rotating line (ours)
+  bool several_hosts = false;  ///< nodes of one host may lose those of the others, and close a ring without them (ours)
 
   std::array<bool, wire::kFactors> wired{};  ///< pins wired to something
   std::array<std::optional<InterruptInput>, wire::kFactors> inputs{};
@@ -71,9 +72,13 @@ struct Settings {
     a("send_timeout_least", send_timeout_least)("refused_for", refused_for)("refused_backoff", refused_backoff);
     a("refused_backoff_most", refused_backoff_most)("queue_timeout", queue_timeout)("stall", stall)("beacon", beacon);
     a("break_grace", break_grace)("fold_permission", fold_permission)("unconfirmed_pace", unconfirmed_pace);
-    a("embed_interrupts", embed_interrupts)("fold_back", fold_back)("wired", wired)("inputs", inputs);
+    a("embed_interrupts", embed_interrupts)("fold_back", fold_back)("several_hosts", several_hosts);
+    a("wired", wired)("inputs", inputs);
   }
 
+  /// Two parts of the ring may each be a closed ring for a while, and number on; then they grow together again: two
+  /// breaks where it folds back, or hosts that lose each other. (ours, protocol.md section 4.10)
+  bool falls_into_parts() const { return fold_back || several_hosts; }
   unsigned nodes() const { return static_cast<unsigned>(order.size()); }
   /// One lap of largest packets in the worst case: N * (T + d), INTPs cutting in once per node.
   Duration worst_lap() const {

@@ -74,6 +74,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.break_grace = ring.timeouts.break_grace;
   s.fold_permission = ring.timeouts.fold_permission;
   s.fold_back = ring.folds_back();
+  s.several_hosts = ring.hosts.size() > 1;
   for (unsigned factor = 0; factor < config::kPins; ++factor) {
     s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;
     if (const auto& input = node.inputs[factor])

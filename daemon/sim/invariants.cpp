@@ -100,7 +100,8 @@ void Invariants::state_changes(NodeId node, NodeState state) {
 void Invariants::starts_over(NodeId node) {
   NodeRecord& n = record_.at(node);
   n.receiver.start_over(n.lines_crossed_at == n.began, n.began);
-  record_.ledger.forgets(node, n.settings.fold_back ? n.began : n.input_changed_at);
+  record_.ledger.forgets(node,
+                         n.settings.falls_into_parts() ? n.began - n.settings.send_timeout() : n.input_changed_at);
 }
 
 // ---- faults ---------------------------------------------------------------------------------

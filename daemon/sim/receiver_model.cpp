@@ -15,7 +15,7 @@ constexpr std::uint64_t kEarlier = 1000;
 
 ReceiverModel::ReceiverModel(const core::Settings& settings)
     : id_(settings.id),
-      fold_back_(settings.fold_back),
+      falls_into_parts_(settings.falls_into_parts()),
       wired_(settings.wired),
       horizon_(settings.send_timeout()),
       pages_(256) {}
@@ -93,7 +93,7 @@ bool ReceiverModel::addressed(const PacketFields& packet) const {
 }
 
 Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const {
-  const bool may_be = fold_back_ && packet.code().attempt > 0 && packet.source() != id_;
+  const bool may_be = falls_into_parts_ && packet.code().attempt > 0 && packet.source() != id_;
   if (!may_be || pages_[packet.source()].peer_known == Tristate::yes) return Tristate::no;
   return pages_[packet.source()].peer_known == Tristate::no ? Tristate::yes : Tristate::unknown;
 }
@@ -115,8 +115,8 @@ void ReceiverModel::doubt(const PacketFields& packet) {
 
 // Nothing: it is none.
 std::optional<ReceiverModel::Answer> ReceiverModel::of_unaware_peers_retry(const PacketFields& packet, Time at) {
-  // Where the ring folds back, the hello may have gone round in one of two parts alone.
-  const core::Duration tries = fold_back_ ? wire::kTries * horizon_ : core::Duration{0};
+  // The hello may have gone round in one of two parts alone.
+  const core::Duration tries = falls_into_parts_ ? wire::kTries * horizon_ : core::Duration{0};
   const auto known_to_all = [&](Time announced) { return announced != core::kNever && at - announced >= tries; };
   if (packet.code().attempt == 0 || known_to_all(announced_)) return std::nullopt;
   if (!known_to_all(perhaps_announced_)) return Answer::none;
@@ -131,7 +131,7 @@ std::optional<ReceiverModel::Answer> ReceiverModel::of_known(const Entry& e, con
   const bool fresh = !e.aged && at - e.decided <= horizon_;
   if (!fresh && packet.code().attempt == 0) return std::nullopt;
   if (e.decision == Decision::unknown) return Answer::unknown;
-  if (fold_back_ && is_old(e, at)) return Answer::none;
+  if (e.in_doubt || (falls_into_parts_ && is_old(e, at))) return Answer::none;
   return e.decision == Decision::taken ? Answer::repeats_taken : Answer::repeats_refused;
 }
 
@@ -212,15 +212,19 @@ void ReceiverModel::input_changes(Time now) {
   each_entry([now](Entry& e) { e.left_behind = std::min(e.left_behind, now); });
 }
 
-// What it decided before its input was last lost it forgets; if the ring folds back, all.
+// What it decided before its input was last lost it forgets. If the ring falls into parts, it keeps what a copy may
+// still come of, and gives no verdict on it.
 void ReceiverModel::start_over(bool crossed, Time now) {
   begin_incarnation();
   each_entry([&](Entry& e) {
-    const bool doubtful = crossed && e.left_behind == now && !fold_back_;
-    if (doubtful)
+    if (falls_into_parts_) {
+      if (now - e.decided > horizon_ && !e.any_sequence) e = {};
+      e.in_doubt = true;
+    } else if (crossed && e.left_behind == now) {
       e.any_sequence = true;
-    else if (fold_back_ || e.left_behind != core::kNever)
+    } else if (e.left_behind != core::kNever) {
       e = {};
+    }
   });
   for (Page& page : pages_) page.peer_known = Tristate::no;
 }
@@ -230,7 +234,7 @@ void ReceiverModel::may_start_over() {
   joined_ = Tristate::no;
   announced_ = core::kNever;
   each_entry([&](Entry& e) {
-    if (e.decision != Decision::none && (fold_back_ || e.left_behind != core::kNever)) e.any_sequence = true;
+    if (e.decision != Decision::none && (falls_into_parts_ || e.left_behind != core::kNever)) e.any_sequence = true;
   });
   for (Page& page : pages_)
     if (page.peer_known == Tristate::yes) page.peer_known = Tristate::unknown;

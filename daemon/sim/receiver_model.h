@@ -72,11 +72,12 @@ class ReceiverModel {
     bool aged = false;                ///< a first try is new
     bool any_sequence = false;        ///< nobody knows which number was decided last
     Time left_behind = core::kNever;  ///< when the input changed on which it was decided
+    bool in_doubt = false;            ///< decided before the node started over
 
     template <class Archive>
     void archive(Archive& a) {
       a("decided", decided)("sequence", sequence)("decision", decision)("aged", aged)("any_sequence", any_sequence);
-      a("left_behind", left_behind);
+      a("left_behind", left_behind)("in_doubt", in_doubt);
     }
   };
   struct Page {
@@ -112,7 +113,7 @@ class ReceiverModel {
   void each_entry(Change change);
 
   NodeId id_;
-  bool fold_back_;
+  bool falls_into_parts_;
   std::array<bool, 8> wired_;
   core::Duration horizon_;  ///< a number decided longer ago is new
   std::vector<Page> pages_;

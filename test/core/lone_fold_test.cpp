@@ -282,7 +282,7 @@ TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
 /// With its header 512 bytes on a line.
 struct Slice512 {
   const std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(512 - wire::kSliceHeaderSize, 0x55);
-  wire::Slice operator()() const { return {wire::SliceKind::more, {bytes.data(), bytes.size()}}; }
+  wire::Slice operator()() const { return {wire::SliceKind::whole, {bytes.data(), bytes.size()}}; }
 };
 
 TEST_F(LoneFold, TheSliceThatReachesTheLimitIsRepeatedAndTheNextIsNot) {

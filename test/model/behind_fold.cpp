@@ -82,8 +82,9 @@ void Node::look_for_folds(Time now) {
 
 /// protocol.md section 4.10: two parts have grown together, or have and no new hello is said yet.
 bool Node::grows_together(const Packet& home, Time now) {
-  if (!fold_ || grown_together_ || hello_out_) return grown_together_;
-  const bool lately = fold_known_at_ && now <= *fold_known_at_ + settings_.beacon + try_timeout();
+  if (!falls_into_parts() || grown_together_ || hello_out_) return grown_together_;
+  const bool fold_lately = fold_known_at_ && now <= *fold_known_at_ + settings_.beacon + try_timeout();
+  const bool lately = settings_.several_hosts || fold_lately;
   if (!lately || ring_size_ == 0 || static_cast<unsigned>(home.hop()) <= ring_size_) return false;
   grown_together_ = new_hello_wanted_ = true;
   return true;

@@ -27,6 +27,8 @@ bool FoldBack::lies_between(int node, int from, int to) const {
 
 void FoldBack::say(Line line, FoldWordKind kind, int node) {
   const auto index = static_cast<std::size_t>(line);
+  const bool ends_stream = kind != FoldWordKind::deaf && kind != FoldWordKind::hears;
+  if (line == Line::second && ends_stream) abort_repeated();  // these come between packets
   const auto word = static_cast<std::uint8_t>(kind), of = static_cast<std::uint8_t>(node);
   given_[index].push_back({wire::SliceKind::fold, {word, of, static_cast<std::uint8_t>(0xFF ^ word ^ of)}});
 }
@@ -40,6 +42,8 @@ void FoldBack::tell_nc(Time now) {
   lines.input_up = lines.input_folded || (!takes_second() && lines_[0].from);
   lines.output_folded = turned_back() && lines_[1].to && lines.input_up;
   lines.output_up = lines.output_folded || (!turned_back() && lines_[0].to);
+  if (nc_output_ && !lines.output_up) abort_sent(turned_back() ? Line::second : Line::first);
+  nc_output_ = lines.output_up;
   nc_.lines_are(lines, now);
 }
 
@@ -87,6 +91,7 @@ void FoldBack::output_up(Line line, int to, Time now) {
     next_is_deaf_ = false;
     if (!turned_back()) say(Line::first, FoldWordKind::last, settings_.id);
   } else {
+    open_repeated_ = false;
     if (repeats()) say(Line::second, FoldWordKind::begin, *fold_node_);
     say_again(now);
   }
@@ -99,6 +104,7 @@ void FoldBack::output_lost(Line line, Time now) {
   ends.to.reset();
   if (line == Line::second && output_ == Half::between) {
     nc_.output_breaks(now);
+    open_sent_ = false;
     output_to_first(now);
   }
   decide_output(now);

@@ -91,6 +91,7 @@ class FoldBack {
   void put_onto_line();
   void say_begin();
   void output_to_first(Time now);
+  void abort_sent(Line line);
 
   // -- fold_second_line.cpp: protocol.md section 8.11
   void second_slice(const Given& slice, Time now);
@@ -98,6 +99,9 @@ class FoldBack {
   void begin(int node, Time now);
   void forget_fold_node(Time now);
   void break_off_second(Time now);
+  void goes_round(FoldWordKind kind, int node, Time now);
+  void repeat(const Given& slice);
+  void abort_repeated();
 
   core::Settings settings_;
   BehindFold& nc_;
@@ -117,10 +121,13 @@ class FoldBack {
   std::deque<Given> held_;
   bool open_on_first_ = false;   ///< a DATP that comes in on the first line, at the NC
   bool open_on_second_ = false;  ///< one that comes in on the second line, at the NC or repeated
+  bool open_repeated_ = false;   ///< one that goes out on the second line again
 
   Half output_ = Half::first;
   bool next_is_deaf_ = false;
+  bool nc_output_ = false;   ///< the NC has been told that its output is up
   std::vector<Given> sent_;  ///< in this instant
+  bool open_sent_ = false;   ///< a DATP of the NC on the line
 
   std::optional<int> fold_node_;
   Time fold_node_heard_{};

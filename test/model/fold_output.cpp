@@ -12,6 +12,7 @@ void FoldBack::decide_output(Time now) {
   if (back && output_ == Half::first) {
     output_ = Half::second;
     sent_.clear();
+    abort_sent(Line::first);
     say_again(now);
   } else if (back) {
     output_ = Half::second;
@@ -20,6 +21,7 @@ void FoldBack::decide_output(Time now) {
   }
   if (output_ == Half::between && !nc_.is_mid_packet() && sent_.empty()) output_to_first(now);
   tell_nc(now);
+  if (!repeats()) abort_repeated();
   if (!folded()) again_at_ = kNever;
   if (folded() && again_at_ == kNever) again_at_ = now + period_;
 }
@@ -35,7 +37,18 @@ void FoldBack::output_to_first(Time) {
   if (repeats()) say(Line::second, FoldWordKind::begin, *fold_node_);
 }
 
+/// What has begun on that line is not finished on it. (protocol.md section 6.3)
+void FoldBack::abort_sent(Line line) {
+  const auto index = static_cast<std::size_t>(line);
+  if (open_sent_ && lines_[index].to) given_[index].push_back({wire::SliceKind::abort, {}});
+  open_sent_ = false;
+}
+
 void FoldBack::put_onto_line() {
+  for (const Given& slice : sent_) {
+    if (slice.kind == wire::SliceKind::start) open_sent_ = true;
+    if (slice.kind == wire::SliceKind::end || slice.kind == wire::SliceKind::abort) open_sent_ = false;
+  }
   auto& line = given_[turned_back() ? 1 : 0];
   line.insert(line.end(), sent_.begin(), sent_.end());
   sent_.clear();

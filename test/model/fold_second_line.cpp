@@ -13,13 +13,18 @@ void FoldBack::second_slice(const Given& slice, Time now) {
     this->word(word->kind, word->node, now);
     return decide_output(now);
   }
-  if (slice.kind == SliceKind::idle || !(takes_second() || repeats())) return;
+  if (slice.kind == SliceKind::idle || !fold_node_ || !(takes_second() || repeats())) return;
+  if (!takes_second()) {
+    const bool rest = slice.kind == SliceKind::more || slice.kind == SliceKind::end || slice.kind == SliceKind::abort;
+    if (rest && !open_repeated_) return;
+    if (!rest && slice.bytes[3] == settings_.id && slice.bytes[2] == 0) return;  // has come straight from here
+  }
   if (slice.kind == SliceKind::start) open_on_second_ = true;
   if (slice.kind == SliceKind::end || slice.kind == SliceKind::abort) open_on_second_ = false;
   if (takes_second())
     nc_.slice_comes(slice, now);
   else
-    given_[1].push_back(slice);
+    repeat(slice);
   drain(now);
   decide_output(now);
 }
@@ -31,11 +36,8 @@ void FoldBack::word(FoldWordKind kind, int node, Time now) {
     if (!next_is_deaf_ && !turned_back()) say(Line::first, FoldWordKind::last, settings_.id);
     return;
   }
-  if (node == settings_.id) {
-    if (kind == FoldWordKind::lost && fold_node_) forget_fold_node(now);
-    return;
-  }
-  if (lines_[1].from && lies_between(node, settings_.id, *lines_[1].from)) return;
+  const bool bypassed = lines_[1].from && lies_between(node, settings_.id, *lines_[1].from);
+  if (node == settings_.id || bypassed) return goes_round(kind, node, now);
   if (kind == FoldWordKind::begin) return begin(node, now);
   if (!folded()) say(Line::second, kind, node);
   if (kind == FoldWordKind::last && fold_node_ != node) return;
@@ -66,7 +68,24 @@ void FoldBack::break_off_second(Time now) {
   if (takes_second())
     nc_.input_breaks(now);
   else
-    given_[1].push_back({SliceKind::abort, {}});
+    abort_repeated();
+}
+
+/// That word has come all the way round: so does what follows a `begin`.
+void FoldBack::goes_round(FoldWordKind kind, int node, Time now) {
+  const bool own_lost = kind == FoldWordKind::lost && node == settings_.id;
+  if (fold_node_ && (own_lost || kind == FoldWordKind::begin)) forget_fold_node(now);
+}
+
+void FoldBack::repeat(const Given& slice) {
+  if (slice.kind == SliceKind::start) open_repeated_ = true;
+  if (slice.kind == SliceKind::end || slice.kind == SliceKind::abort) open_repeated_ = false;
+  given_[1].push_back(slice);
+}
+
+void FoldBack::abort_repeated() {
+  if (open_repeated_) given_[1].push_back({SliceKind::abort, {}});
+  open_repeated_ = false;
 }
 
 }  // namespace limb_ring::model

@@ -58,15 +58,17 @@ void Node::start_over(Time now) {
   break_at_ = drained_at_ = beacon_at_ = kNever;
   hello_due_ = kNever;
   beacon_wanted_ = false;
-  forget_former_input();
+  forget_former_input(now);
   set_state(NodeState::starting, now);
 }
 
 // protocol.md section 4.10.
-void Node::forget_former_input() {
+void Node::forget_former_input(Time now) {
   for (auto& [source, page] : pages_)
     for (auto entry = page.decided.begin(); entry != page.decided.end();) {
-      const bool forgotten = settings_.fold_back || entry->second.on_former_input;
+      const bool old = now - entry->second.when > try_timeout();
+      const bool forgotten = falls_into_parts() ? old : entry->second.on_former_input;
+      entry->second.before_starting_over = falls_into_parts();
       entry = forgotten ? page.decided.erase(entry) : std::next(entry);
     }
 }

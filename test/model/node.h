@@ -74,6 +74,7 @@ struct Decided {
   Time when{};
   bool retries_only = false;
   bool on_former_input = false;
+  bool before_starting_over = false;
 };
 struct Page {
   int incarnation = 0;
@@ -276,7 +277,9 @@ class Node : private BehindFold {
   void own_break_ends();
   void watch_for_break(Time now);
   void start_over(Time now);
-  void forget_former_input();
+  void forget_former_input(Time now);
+  /// Two parts of the ring may each be closed for a while. (protocol.md section 4.10)
+  bool falls_into_parts() const { return settings_.fold_back || settings_.several_hosts; }
   void sign_of_duplicate(Time now);
   void joined(Time at);
   void membership_timers(Time now);

@@ -62,7 +62,7 @@ Page* Node::page_for(const Packet& packet, std::uint64_t boot_if_own) {
 
 /// protocol.md section 4.10: its first try may have been taken before the own start.
 bool Node::is_unheard_nodes_retry(const Packet& packet) const {
-  if (!settings_.fold_back || packet.attempt() == 0 || packet.source() == id()) return false;
+  if (!falls_into_parts() || packet.attempt() == 0 || packet.source() == id()) return false;
   return peers_.count(packet.source()) == 0;
 }
 
@@ -70,7 +70,7 @@ bool Node::is_unheard_nodes_retry(const Packet& packet) const {
 bool Node::is_unaware_nodes_retry(const Packet& packet, Time at) const {
   if (packet.attempt() == 0) return false;
   if (announced_at_ == kNever) return true;
-  return settings_.fold_back && at - announced_at_ < 4 * try_timeout();
+  return falls_into_parts() && at - announced_at_ < 4 * try_timeout();
 }
 
 /// What was decided of this packet before; null: it is new.
@@ -83,9 +83,9 @@ Decided* Node::known(Page& page, const Packet& packet, Time now) {
   return &decided;
 }
 
-/// protocol.md section 4.10: it may have been decided four incarnations ago.
+/// protocol.md section 4.10: it may have been decided four incarnations ago, or numbers may have wrapped since.
 bool Node::is_doubtful(const Decided& decided, Time now) const {
-  return settings_.fold_back && now - decided.when > 4 * try_timeout();
+  return decided.before_starting_over || (falls_into_parts() && now - decided.when > 4 * try_timeout());
 }
 
 // ---- hellos and beacons -------------------------------------------------------------------------

@@ -45,5 +45,15 @@ TEST(CoreSettings, SoIsTheTimeOutOfAFoldedRing) {
   }
 }
 
+// Its hosts may lose each other, and each close a ring without the others. (protocol.md section 4.10)
+TEST(CoreSettings, ARingOverSeveralHostsFallsIntoPartsAndOneOnASingleHostDoesNot) {
+  config::RingConfig ring = uneven_ring();
+  EXPECT_FALSE(core_settings(ring, ring.nodes[0], 1).falls_into_parts());
+  ring.hosts.resize(1);
+  EXPECT_FALSE(core_settings(ring, ring.nodes[0], 1).falls_into_parts());
+  ring.hosts.resize(2);
+  EXPECT_TRUE(core_settings(ring, ring.nodes[0], 1).falls_into_parts());
+}
+
 }  // namespace
 }  // namespace limb_ring::setup

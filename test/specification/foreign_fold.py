@@ -1,7 +1,7 @@
 """Fold-back of a foreign node, as the tables of docs/protocol.md have it: protocol.md sections 8.7 to 8.11. It sends its
 DATPs only as a whole, so its output half has no use for the state `leaving`."""
 
-from foreign_links import ABORT, FOLD, IDLE, MORE, START, INTERRUPT, slice_of
+from foreign_links import ABORT, END, FOLD, IDLE, MORE, START, INTERRUPT, slice_of
 
 BEGIN, LAST, LOST, DEAF, HEARS = 1, 2, 3, 4, 5
 FIRST, SECOND, DRAINING = 'first', 'second', 'draining'
@@ -38,7 +38,7 @@ class Fold:
         first.on_slice, first.gap = self.on_first, lambda: self.input == FIRST and node.break_off()
         second.on_slice, second.gap = self.on_second, self.break_off_second
         self.input, self.output, self.fold_node = SECOND, FIRST, None
-        self.may_fold = self.next_is_deaf = self.spoken = self.second_open = False
+        self.may_fold = self.next_is_deaf = self.spoken = self.second_open = self.repeated_open = False
         self.held, self.repeated = [], 0
         self.was_up = [False] * 4
         self.now, self.permission, self.say_due, self.drain_due, self.heard_due = 0, None, None, None, None
@@ -84,10 +84,13 @@ class Fold:
         if changed[2] < 0:
             self.lose_fold_node()
         if changed[3] > 0:
+            self.repeated_open = False
             if self.repeats():
                 self.say(BEGIN, self.fold_node)
             self.say_again()
         self.choose_output()
+        if not self.repeats():
+            self.stop_repeating()
         self.timers()
 
     def timers(self):
@@ -175,7 +178,14 @@ class Fold:
     def word(kind, node):
         return slice_of(FOLD, bytes([kind, node, 0xFF ^ kind ^ node]))
 
+    def stop_repeating(self):
+        if self.repeated_open:
+            self.second.output.write(slice_of(ABORT))
+        self.repeated_open = False
+
     def say(self, kind, node):
+        if kind not in (DEAF, HEARS):
+            self.stop_repeating()
         self.second.output.write(self.word(kind, node))
 
     def say_again(self):
@@ -195,20 +205,25 @@ class Fold:
     def on_second(self, kind, data):
         if kind == FOLD:
             return self.hear(data)
-        if kind == IDLE or (self.input == FIRST and not self.repeats()):
+        if kind == IDLE or self.fold_node is None or (self.input == FIRST and not self.may_repeat(kind, data)):
             return
         self.second_open = kind == START or (self.second_open and kind in (MORE, INTERRUPT))
         if self.input == FIRST:
             self.repeated += 1
+            self.repeated_open = kind == START or (self.repeated_open and kind in (MORE, INTERRUPT))
             return self.second.output.write(slice_of(kind, data))
         self.node.take_slice(kind, data)
         self.drain()
 
+    def may_repeat(self, kind, data):
+        if kind in (MORE, END, ABORT):
+            return self.repeats() and self.repeated_open
+        return self.repeats() and not (data[3] == self.id and data[2] == 0)  # else it has come straight from here
+
     def break_off_second(self):
-        if self.second_open and self.input == FIRST:
-            self.second.output.write(slice_of(ABORT))
-        elif self.second_open:
+        if self.second_open and self.input != FIRST:
             self.node.break_off()
+        self.stop_repeating()
         self.second_open = False
 
     def hear(self, data):
@@ -222,12 +237,11 @@ class Fold:
                     self.greet()
                 self.choose_output()
             return
-        if node == self.id:
-            if kind == LOST and self.fold_node is not None:
-                self.lose_fold_node()
-            return
-        if self.ahead(node) >= self.ahead(self.second.sender):  # else it has come all the way round
-            self.hear_of_fold_node(kind, node)
+        if node != self.id and self.ahead(node) >= self.ahead(self.second.sender):
+            return self.hear_of_fold_node(kind, node)
+        # It has come all the way round, and so has what follows a `begin`.
+        if (kind == BEGIN or (kind == LOST and node == self.id)) and self.fold_node is not None:
+            self.lose_fold_node()
 
     def ahead(self, node):
         order = self.first.order

@@ -39,6 +39,7 @@ void FoldBack::input_gap(Line line, Time now) {
 void FoldBack::output_up(Line line, NodeId to, Time now) {
   if (line == Line::second) {
     second_output_up_ = true;
+    repeated_.close();
     if (fold_node_ && repeats()) say(wire::FoldWordKind::begin, *fold_node_);
     say_words(now);
   } else {
@@ -59,7 +60,10 @@ void FoldBack::receive(Line line, const wire::Slice& slice, Time now) {
     receive_second(slice, now);
 }
 
-void FoldBack::carry(wire::SliceWriter& given_out, Time) { (out_ == Out::first ? first_ : second_).take(given_out); }
+void FoldBack::carry(wire::SliceWriter& given_out, Time) {
+  wire::each_slice(given_out.view(), [this](const wire::Slice& slice) { given_out_.see(slice); });
+  (out_ == Out::first ? first_ : second_).take(given_out);
+}
 
 // ---- both halves ------------------------------------------------------------------------------
 
@@ -67,6 +71,7 @@ void FoldBack::settle(Time now) {
   if (!may_fold_ && input_up_ && output_up_) permit_folding(now);
   settle_input(now);
   settle_output(now);
+  if (!repeats()) stop_repeating();
   tell_neighbours();
   blocks_.set_turned_back_at(takes_second() ? fold_node_ : std::nullopt);
   blocks_.set_folded(takes_second(), turned_back() && told_output_, now);

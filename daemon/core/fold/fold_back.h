@@ -94,7 +94,8 @@ class FoldBack {
     a("second_output_up", second_output_up_)("in", in_)("held", held_)("first_spoke", first_spoke_);
     a("told_input", told_input_)("drain_due", drain_due_)("out", out_)("next_is_deaf", next_is_deaf_);
     a("told_output", told_output_)("fold_node", fold_node_)("fold_node_due", fold_node_due_);
-    a("coming_second", coming_second_)("may_fold", may_fold_)("may_fold_at", may_fold_at_);
+    a("coming_second", coming_second_)("repeated", repeated_)("given_out", given_out_);
+    a("may_fold", may_fold_)("may_fold_at", may_fold_at_);
     a("repeat_words_at", repeat_words_at_);
   }
 
@@ -149,6 +150,7 @@ class FoldBack {
   void turn_back(Time now);
   void turn_forward(Time now);
   void greet_next_node();
+  void break_off_output(Line line);
   ///@}
 
   /// @name What passes on the second line (fold_second_line.cpp)
@@ -161,7 +163,14 @@ class FoldBack {
   void hear_of_fold_node(wire::FoldWord word, const wire::Slice& slice, Time now);
   void forget_fold_node(Time now);
   void lose_second_input(Time now);
-  void say(wire::FoldWordKind kind, NodeId node) { wire::put(second_, {kind, node}); }
+  void end_what_has_come_round(wire::FoldWord word, Time now);
+  static bool goes_on_datp(wire::SliceKind kind) {
+    return kind == wire::SliceKind::more || kind == wire::SliceKind::end || kind == wire::SliceKind::abort;
+  }
+  bool may_repeat(const wire::Slice& slice) const;
+  void repeat(const wire::Slice& slice);
+  void stop_repeating();
+  void say(wire::FoldWordKind kind, NodeId node);
   void say_words(Time now);
   ///@}
 
@@ -194,6 +203,8 @@ class FoldBack {
   std::optional<NodeId> fold_node_;  ///< the node that has turned back what comes in on the second line
   Time fold_node_due_ = kNever;      ///< it is forgotten then, unless it is announced again
   OpenPacket coming_second_;         ///< the DATP that is coming in on the second line
+  OpenPacket repeated_;              ///< the one that this node is repeating
+  OpenPacket given_out_;             ///< the one that the blocks are sending
 
   bool may_fold_ = false;  ///< both first lines have been up, or fold_permission has passed since the start
   Time may_fold_at_ = kNever;

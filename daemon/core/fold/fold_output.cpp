@@ -25,19 +25,29 @@ void FoldBack::on(OutInput input, Time now) {
 void FoldBack::settle_output(Time now) {
   const bool blocked = (!output_up_ && may_fold_) || next_is_deaf_;
   on(blocked ? OutInput::blocked : OutInput::free, now);
-  if (out_ == Out::leaving && !second_output_up_ && told_output_) blocks_.output_replaced(now);
+  if (out_ == Out::leaving && !second_output_up_ && told_output_) {
+    given_out_.close();
+    blocks_.output_replaced(now);
+  }
   if (!blocks_.is_mid_packet()) on(OutInput::packet_ended, now);
   const bool up = out_ == Out::first ? output_up_ : second_output_up_ && told_input_;
   if (up == told_output_) return;
   told_output_ = up;
-  if (up)
-    blocks_.output_up(to_, now, turned_back());
-  else
-    blocks_.output_lost(now);
+  if (up) return blocks_.output_up(to_, now, turned_back());
+  break_off_output(turned_back() ? Line::second : Line::first);
+  blocks_.output_lost(now);
+}
+
+// Nothing of the DATP that the blocks are sending goes on. Who hears that line is told.
+void FoldBack::break_off_output(Line line) {
+  const bool up = line == Line::first ? output_up_ : second_output_up_;
+  if (given_out_.is_open() && up) (line == Line::first ? first_ : second_).put(wire::SliceKind::abort, {});
+  given_out_.close();
 }
 
 void FoldBack::turn_back(Time now) {
   ++counters_.folds;
+  break_off_output(Line::first);
   if (told_output_) blocks_.output_replaced(now);
   say_words(now);
 }

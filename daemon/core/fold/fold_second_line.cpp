@@ -21,26 +21,49 @@ void FoldBack::receive_second(const Slice& slice, Time now) {
   if (const auto word = wire::fold_word(slice); word && is_in(settings().order, word->node))
     return hear(*word, slice, now);
   const bool takes = in_ != In::first;
-  const bool repeated = repeats() && fold_node_ && second_.view().size < kMostRepeated;
-  const bool wanted = slice.kind != SliceKind::fold && (takes || repeated);
+  const bool wanted = slice.kind != SliceKind::fold && fold_node_ && (takes || may_repeat(slice));
   if (!wanted) {
     ++counters_.fold_discarded;
     return;
   }
   coming_second_.see(slice);
-  if (!takes) return second_.put(slice.kind, slice.bytes);
+  if (!takes) return repeat(slice);
   blocks_.enter(slice, now);
   drain_if_settled(now);
+}
+
+// With HOP 0 an own packet has come straight from this node, which sent it back, all the way round. What goes on a DATP
+// whose start was not repeated is not repeated either.
+bool FoldBack::may_repeat(const Slice& slice) const {
+  if (!repeats() || second_.view().size >= kMostRepeated) return false;
+  if (goes_on_datp(slice.kind)) return repeated_.is_open();
+  return slice.bytes[wire::field::kSource] != id() || slice.bytes[wire::field::kHop] != 0;
+}
+
+void FoldBack::repeat(const Slice& slice) {
+  repeated_.see(slice);
+  second_.put(slice.kind, slice.bytes);
+}
+
+// Nobody repeats the rest of it.
+void FoldBack::stop_repeating() {
+  if (!repeated_.is_open()) return;
+  repeated_.close();
+  second_.put(SliceKind::abort, {});
+}
+
+void FoldBack::say(FoldWordKind kind, NodeId node) {
+  const bool neighbours = kind == FoldWordKind::deaf || kind == FoldWordKind::hears;
+  if (!neighbours) stop_repeating();
+  wire::put(second_, {kind, node});
 }
 
 // What was coming in on the second line will never be whole.
 void FoldBack::break_off_second(Time now) {
   if (!coming_second_.is_open()) return;
   coming_second_.close();
-  if (in_ != In::first)
-    blocks_.input_gap(now);
-  else
-    second_.put(SliceKind::abort, {});
+  if (in_ != In::first) blocks_.input_gap(now);
+  stop_repeating();
 }
 
 void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
@@ -59,13 +82,7 @@ bool FoldBack::has_come_round(FoldWord word) const {
 }
 
 void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {
-  // All others have repeated this own word, so no node is behind a break. If it is a `lost`, and this node knows a fold
-  // node again (it has said `begin` since), it says `lost` once more: nobody would take packets off the second line.
-  if (word.node == id()) {
-    if (word.kind == FoldWordKind::lost && fold_node_) lose_second_input(now);
-    return;
-  }
-  if (has_come_round(word)) return;
+  if (word.node == id() || has_come_round(word)) return end_what_has_come_round(word, now);
   // The upstream neighbour still sends back, although this node hears the first line: a `hears` was lost.
   if (word.kind == FoldWordKind::begin && word.node == from_ && in_ == In::first) say(FoldWordKind::hears, id());
   const bool said_just_now = word.kind == FoldWordKind::begin && fold_node_ == word.node &&
@@ -80,6 +97,14 @@ void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {
   if (word.kind == FoldWordKind::last && fold_node_ != word.node) return;
   break_off_second(now);
   forget_fold_node(now);
+}
+
+// All others have repeated this own word, or that of a bypassed node, so no node is behind a break. What follows a
+// `begin` has been here before. If it is an own `lost`, and this node knows a fold node again (it has said `begin`
+// since), it says `lost` once more: nobody would take packets off the second line.
+void FoldBack::end_what_has_come_round(FoldWord word, Time now) {
+  const bool lost = word.kind == FoldWordKind::lost && word.node == id();
+  if ((lost || word.kind == FoldWordKind::begin) && fold_node_) lose_second_input(now);
 }
 
 void FoldBack::forget_fold_node(Time now) {

@@ -143,7 +143,7 @@ void Membership::lines_changed(Time now) {
 void Membership::start_over(Time now) {
   input_.was_lost = output_.was_lost = false;
   begin_incarnation(now);
-  memory_.forget_verdicts();
+  memory_.forget_verdicts(now);
   peers_.forget_all();
   ring_size_ = 0;
 }
@@ -260,7 +260,7 @@ void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time n
 
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
-    const Duration tries = settings_.fold_back ? wire::kTries * settings_.send_timeout() : Duration{0};
+    const Duration tries = settings_.falls_into_parts() ? wire::kTries * settings_.send_timeout() : Duration{0};
     known_to_all_from_ = std::min(known_to_all_from_, now + tries);
     if (state_ == NodeState::open_chain) {
       forget_lost_lines();

@@ -76,7 +76,7 @@ class Membership {
   /// try before that start. The source may not know of the start if it was in the other part of a ring that was broken
   /// twice. (ours, protocol.md section 4.10)
   bool is_unheard_nodes_retry(const wire::PacketFields& packet) {
-    if (packet.code().attempt == 0 || !settings_.fold_back || peers_[packet.source()].known) return false;
+    if (packet.code().attempt == 0 || !settings_.falls_into_parts() || peers_[packet.source()].known) return false;
     return counted(counters_.retries_of_unheard_nodes, true);
   }
   /// True for a retry while other nodes may not know of this node's start: until its hello, or a beacon with the
@@ -95,7 +95,8 @@ class Membership {
   /// the other part may have missed hellos, so their verdict may be on an older packet with the same number. One node
   /// more is no merger: it was alone, has forgotten everything and says hello itself. (ours, protocol.md section 4.10)
   bool has_merged(std::uint8_t hop, Time now) const {
-    return merged_ || (settings_.fold_back && ring_size_ != 0 && hop > ring_size_ && now < fold_over_);
+    if (merged_ || ring_size_ == 0 || hop <= ring_size_) return merged_;
+    return settings_.several_hosts || (settings_.fold_back && now < fold_over_);
   }
   ///@}
 

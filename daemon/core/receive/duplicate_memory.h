@@ -70,10 +70,10 @@ class DuplicateMemory {
     if (e.sequence != code.sequence) return Verdict::none;
     const bool fresh = !e.aged && now - e.decided <= horizon_;
     if (e.verdict == Verdict::none || (code.attempt == 0 && !fresh)) return Verdict::none;
-    return falls_into_parts_ && is_old(e, now) ? Verdict::doubtful : e.verdict;
+    return e.in_doubt || (falls_into_parts_ && is_old(e, now)) ? Verdict::doubtful : e.verdict;
   }
   void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict, Time now) {
-    sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false, false};
+    sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict};
   }
 
   /// The node's input is lost.
@@ -82,12 +82,16 @@ class DuplicateMemory {
       for (Entry& e : source.entries) e.on_former_input = true;
   }
   /// For a node that starts over: numbers may have wrapped since its input was last lost. What it decided on the
-  /// present one it knows: it has missed nothing there, and a line may have doubled what it took. Which incarnations it
-  /// has met stays known, too.
-  void forget_verdicts() {
+  /// present one it knows: it has missed nothing there, and a line may have doubled what it took. In a ring that falls
+  /// into parts the same copy may come again, by another way: no verdict that is younger than a copy can be is
+  /// forgotten, but none is given either. Which incarnations it has met stays known, too.
+  void forget_verdicts(Time now) {
     for (Source& source : sources_)
-      for (Entry& e : source.entries)
-        if (falls_into_parts_ || e.on_former_input) e = {};
+      for (Entry& e : source.entries) {
+        if (!falls_into_parts_ && e.on_former_input) e = {};
+        if (falls_into_parts_ && now - e.decided > horizon_) e = {};
+        e.in_doubt = falls_into_parts_;
+      }
   }
 
   /// archive.h
@@ -106,10 +110,12 @@ class DuplicateMemory {
     Verdict verdict = Verdict::none;
     bool aged = false;
     bool on_former_input = false;
+    bool in_doubt = false;  ///< decided before the node started over: numbers may have wrapped since
 
     template <class Archive>
     void archive(Archive& a) {
       a("decided", decided)("sequence", sequence)("verdict", verdict)("aged", aged)("on_former_input", on_former_input);
+      a("in_doubt", in_doubt);
     }
   };
   struct Source {
