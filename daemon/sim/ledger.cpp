@@ -20,7 +20,8 @@ bool Sent::taken() const {
 }
 
 bool Sent::decided_by(NodeId node) const {
-  return std::any_of(decisions.begin(), decisions.end(), [node](const Decision& d) { return d.node == node; });
+  const auto from = decisions.begin() + static_cast<std::ptrdiff_t>(decided_from);
+  return std::any_of(from, decisions.end(), [node](const Decision& d) { return d.node == node; });
 }
 
 bool Sent::is(const core::ReceivedPacket& packet) const {
@@ -202,6 +203,7 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet
     if (over(sent) || !packet.matches(*sent) || !sent->may_leave(since)) continue;
     sent->left = true;
     sent->refused_at = core::kNever;
+    sent->decided_from = sent->decisions.size();
     slot.begin(token);
     slot.last.crcs[code.attempt] = packet.crc;
     if (code.attempt == 0) note_passed_over(*sent, since);  // a retry: when the send began was not seen

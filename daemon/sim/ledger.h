@@ -57,6 +57,7 @@ struct Sent {
   bool in_doubt = false;            ///< whether it has come home cannot be told
   unsigned unread = 0;              ///< receive buffers in which it lies
   std::vector<Decision> decisions;  ///< in the order in which they were made
+  std::size_t decided_from = 0;     ///< those before are on earlier packets of it, which were refused
 
   bool interrupt() const { return queue == 4; }
   /// As a new packet, not as a retry.
@@ -65,6 +66,7 @@ struct Sent {
   bool may_be_taken = false;  ///< somebody may have taken it; that cannot be told from outside
 
   bool taken() const;
+  /// That node has taken or refused its last packet.
   bool decided_by(NodeId node) const;
   /// `packet`, which a CPU has got, is this send.
   bool is(const core::ReceivedPacket& packet) const;
@@ -78,8 +80,8 @@ struct Sent {
     a("attempts", attempts)("may_have_failed", may_have_failed)("last_try", last_try)("home_at", home_at);
     a("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
     a("first_refused", first_refused)("refused_at", refused_at)("ended", ended)("ended_at", ended_at)("end", end);
-    a("in_doubt", in_doubt)("unread", unread)("decisions", decisions)("has_twin", has_twin)("may_be_taken",
-                                                                                            may_be_taken);
+    a("in_doubt", in_doubt)("unread", unread)("decisions", decisions)("decided_from", decided_from)(
+        "has_twin", has_twin)("may_be_taken", may_be_taken);
   }
 };
 
