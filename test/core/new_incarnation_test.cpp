@@ -170,15 +170,16 @@ TEST_F(InputIsAnother, WhatCameOnTheFormerOneIsForgotten) {
   EXPECT_EQ(solo.counters().pins_pulled, 2u);
 }
 
-// Its input may be up while nothing comes over a fold.
-TEST_F(InputIsAnother, WhatCameOnAnyIsForgottenIfTheRingFoldsBack) {
+// What it has sent back itself may come round on the second line: the same copy is not taken again. (protocol.md section 4.10)
+TEST_F(InputIsAnother, WhatCameOnAnyIsRememberedIfTheRingFoldsBack) {
   SoloNode solo = folding();
   solo.join();
   replace_input(solo);
   pull(solo);
   replace_output(solo);
   pull(solo);
-  EXPECT_EQ(solo.counters().pins_pulled, 2u);
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+  EXPECT_EQ(solo.counters().doubtful_retries, 1u);
 }
 
 TEST(NewIncarnation, ForgetsHowTheHelloBeforeEnded) {

@@ -85,7 +85,7 @@ TEST_F(RingInParts, WhatWasTakenShortlyBeforeTheNodeStartedOverPullsNoPinAgain) 
   EXPECT_EQ(node.counters().pins_pulled, 2u);
 }
 
-// ---- section 6.3 --------------------------------------------------------------------------------
+// ---- protocol.md section 6.3 ------------------------------------------------------------------------
 
 const Bytes kPacket = Foreign{1, 2}.with(pattern(8));
 

@@ -26,9 +26,13 @@ bool FoldBack::lies_between(int node, int from, int to) const {
 }
 
 void FoldBack::say(Line line, FoldWordKind kind, int node) {
-  const auto index = static_cast<std::size_t>(line);
   const bool ends_stream = kind != FoldWordKind::deaf && kind != FoldWordKind::hears;
   if (line == Line::second && ends_stream) abort_repeated();  // these come between packets
+  put_word(line, kind, node);
+}
+
+void FoldBack::put_word(Line line, FoldWordKind kind, int node) {
+  const auto index = static_cast<std::size_t>(line);
   const auto word = static_cast<std::uint8_t>(kind), of = static_cast<std::uint8_t>(node);
   given_[index].push_back({wire::SliceKind::fold, {word, of, static_cast<std::uint8_t>(0xFF ^ word ^ of)}});
 }

@@ -74,6 +74,7 @@ class FoldBack {
   bool folded() const { return takes_second() || turned_back(); }
   bool repeats() const { return !folded() && fold_node_; }
   void say(Line line, FoldWordKind kind, int node);
+  void put_word(Line line, FoldWordKind kind, int node);
   void say_again(Time now);
   unsigned lines_between(int from, int to) const;
   bool lies_between(int node, int from, int to) const;

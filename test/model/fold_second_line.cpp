@@ -39,7 +39,7 @@ void FoldBack::word(FoldWordKind kind, int node, Time now) {
   const bool bypassed = lines_[1].from && lies_between(node, settings_.id, *lines_[1].from);
   if (node == settings_.id || bypassed) return goes_round(kind, node, now);
   if (kind == FoldWordKind::begin) return begin(node, now);
-  if (!folded()) say(Line::second, kind, node);
+  if (!folded()) put_word(Line::second, kind, node);
   if (kind == FoldWordKind::last && fold_node_ != node) return;
   break_off_second(now);
   fold_node_.reset();
@@ -49,7 +49,7 @@ void FoldBack::word(FoldWordKind kind, int node, Time now) {
 void FoldBack::begin(int node, Time now) {
   if (node == lines_[0].from && input_ == Half::first) say(Line::second, FoldWordKind::hears, settings_.id);
   if (fold_node_ == node && now - fold_node_heard_ < period_ / 2) return;
-  if (!folded()) say(Line::second, FoldWordKind::begin, node);
+  if (!folded()) put_word(Line::second, FoldWordKind::begin, node);
   fold_node_ = node;
   fold_node_heard_ = now;
 }

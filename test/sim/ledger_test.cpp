@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/virtual_ring.h"
 #include "support/node_literal.h"
 
 namespace limb_ring::sim {
@@ -13,7 +14,9 @@ using namespace std::chrono_literals;
 using testing::IsEmpty;
 
 struct LedgerOfThree : testing::Test {
-  static wire::Code code(unsigned number) { return {false, 0, static_cast<std::uint8_t>(number), 0}; }
+  static wire::Code code(unsigned number) {
+    return {false, 0, wire::Sequence{static_cast<std::uint8_t>(number)}, wire::Incarnation{0}};
+  }
   void ask(std::uint32_t token) {
     core::SendRequest request;
     request.owner = VirtualRing::kUser;
@@ -30,7 +33,7 @@ struct LedgerOfThree : testing::Test {
                          {2_id, 0, 0, sizeof kData, crc_of(number), wire::crc32({kData, sizeof kData})}, now);
   }
   Sent* found_at_node_2(unsigned number) { return ledger.on_line(1_id, code(number), 2_id, crc_of(number), 2_id); }
-  void ends(std::uint32_t token, wire::Outcome outcome) {
+  void ends(std::uint32_t token, core::Outcome outcome) {
     core::SendEnded end;
     end.owner = VirtualRing::kUser;
     end.token = token;
@@ -55,7 +58,7 @@ TEST_F(LedgerOfThree, ARefusedSendThatComesToTheNumberOfAnEqualOneIsFound) {
   ask(1);
   Sent* untaken = leaves(0);
   ledger.come_home(untaken, wire::kFbcUntaken, now += 1us);
-  ends(1, wire::Outcome::no_such_node);
+  ends(1, core::Outcome::no_such_node);
   ask(2);
   for (unsigned number = 1; number < 8; ++number) {
     Sent* sent = leaves(number);
