@@ -15,7 +15,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
+.PHONY: help all build docs demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -145,6 +145,14 @@ bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
 	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
 	$(BUILD)-bench/devel/lib/limb_ring/bench_core_hop
 
+# Needs the programs: they know best what their options are.
+docs: build ## The manual as HTML, into build/docs (needs python3-sphinx, python3-myst-parser, furo)
+	@$(PYTHON) -c 'import furo, myst_parser, sphinx' 2> /dev/null || \
+	  { echo "make docs needs Sphinx: apt-get install python3-sphinx python3-myst-parser furo"; exit 2; }
+	PYTHONPATH=$(BUILD)/devel/lib/python3/dist-packages $(PYTHON) docs/generate_reference.py --programs $(BUILD)/devel/lib/limb_ring
+	$(PYTHON) -m sphinx -W --keep-going -q -b html docs $(BUILD)/docs
+	@echo "The manual: $(BUILD)/docs/index.html"
+
 deb: ## The Debian packages, into build-deb/ (installs by apt what building needs)
 	@JOBS=$(JOBS) scripts/make_deb build-deb
 
@@ -158,7 +166,7 @@ deb-check: ## Builds, installs and tries the packages in clean chroots (SUITE=tr
 format: ## Formats all C++ files (clang-format 14)
 	git ls-files '*.h' '*.cpp' | xargs clang-format -i
 
-# Into the user's Wireshark: see docs/capture.md.
+# Into the user's Wireshark: see docs/reference/captures.md.
 install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 

@@ -10,7 +10,7 @@ namespace {
 // Ten times per alive_period of the bridge.
 const ros::WallDuration kAlive{0.1};
 
-/// So that nobody who sends a stop waits for this CPU to say that it has stopped. (daemon/host/requests.md)
+/// So that nobody who sends a stop waits for this CPU to say that it has stopped. (docs/reference/requests.md)
 constexpr const char* kLatchesNoStop = R"({"do": "stop_latched", "latched": "never"})";
 
 void tell_connection(const ConnectOptions& daemon, const std::string& problem) {

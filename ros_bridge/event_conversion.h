@@ -15,7 +15,7 @@
 
 namespace limb_ring::bridge {
 
-/// Turns what daemons tell an observer (daemon/host/requests.md) into typed events. Two of them concern the
+/// Turns what daemons tell an observer (docs/reference/requests.md) into typed events. Two of them concern the
 /// whole ring and are derived from the reports of all daemons: a fault located, the ring healed. What no daemon has
 /// told is found in their status rows: what was before it was observed, and a further line that breaks.
 class EventConversion {

@@ -106,7 +106,7 @@ class RingPort {
   bool connected() const { return port_.has_value(); }
   /// Ring thread only. `on_result` is called once, later, never from within send().
   void send(const Outgoing& packet, OnResult on_result);
-  /// Ring thread only: asks the daemon for something (daemon/host/requests.md), whose answer nobody wants.
+  /// Ring thread only: asks the daemon for something (docs/reference/requests.md), whose answer nobody wants.
   void request(const std::string& json) {
     if (port_) port_->request(json);
   }

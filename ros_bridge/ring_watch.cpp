@@ -27,7 +27,7 @@ const json& heard_in(const json& row) {
   return found != row.end() && found->is_array() ? *found : nobody;
 }
 
-/// What is not as daemon/host/requests.md has it, and would be taken for a node's; empty: nothing.
+/// What is not as docs/reference/requests.md has it, and would be taken for a node's; empty: nothing.
 std::string wrong_in(const json& row) {
   if (!row.is_object()) return "it is no JSON object";
   if (row.contains("heard") && !row["heard"].is_array()) return "'heard' is no list";

@@ -12,7 +12,7 @@ namespace limb_ring::bridge {
 /// A node of which nothing is known: state "down".
 NodeStatus unheard_node(const config::NodeConfig& node);
 
-/// Fills in a status row, as daemon/host/requests.md describes it. Members that are missing or
+/// Fills in a status row, as docs/reference/requests.md describes it. Members that are missing or
 /// of another type leave the field as it is.
 void merge_status_row(const nlohmann::json& row, NodeStatus& status);
 

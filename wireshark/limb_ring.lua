@@ -1,5 +1,5 @@
 -- Wireshark dissector of the ring network of articulated robots as limb_ring builds it. Its captures are
--- pcapng with LINKTYPE_USER0: a pseudo-header of 12 bytes, then a packet; docs/capture.md describes both.
+-- pcapng with LINKTYPE_USER0: a pseudo-header of 12 bytes, then a packet; docs/reference/captures.md describes both.
 -- Install with scripts/install_dissector. Works with Wireshark 3.2 and later.
 
 -- Installed, and named on the command line as well: the one that came first stays.

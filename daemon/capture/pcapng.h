@@ -4,7 +4,7 @@
 
 /// The part of pcapng (IETF draft-ietf-opsawg-pcapng) that captures of a ring are made of: one Section
 /// Header, an Interface Description for every line, Enhanced Packets. What the link type's pseudo-header
-/// holds is in pseudo_header.h; docs/capture.md describes all of it for people.
+/// holds is in pseudo_header.h; docs/reference/captures.md describes all of it for people.
 namespace limb_ring::capture::pcapng {
 
 enum Block : std::uint32_t { kInterface = 1, kEnhancedPacket = 6, kSectionHeader = 0x0A0D0D0A };

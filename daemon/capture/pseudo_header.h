@@ -10,7 +10,7 @@
 namespace limb_ring::capture {
 
 /// What stands before a packet's bytes in a capture file (LINKTYPE_USER0) and on a host port (ours,
-/// docs/capture.md):
+/// docs/reference/captures.md):
 ///
 ///   | version 1 | flags 8 | from 8 | to 8 | span 32, ns | carrier SID 8 | carrier Code 8 | offset 16 |
 ///

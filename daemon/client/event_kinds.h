@@ -6,7 +6,7 @@
 namespace limb_ring::client {
 
 /// All kinds of events that a daemon tells its observers, as an observe filter names them. See "Observing" in
-/// daemon/host/requests.md.
+/// docs/reference/requests.md.
 const std::vector<std::string>& event_kinds();
 
 }  // namespace limb_ring::client

@@ -5,8 +5,8 @@
 
 namespace limb_ring::live {
 
-/// What a virtual ring says of its clock (daemon/host/requests.md), with "now_s" for "now_ns". Null where the ring goes
-/// by the machine's clock, or its process does not answer.
+/// What a virtual ring says of its clock (docs/reference/requests.md), with "now_s" for "now_ns". Null where the ring
+/// goes by the machine's clock, or its process does not answer.
 nlohmann::json ring_clock(const std::string& ring);
 
 /// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty where it goes.

@@ -8,7 +8,7 @@
 namespace limb_ring::program_stage {
 
 /// What a CPU has taken of what its node has given to it. A CPU says so by its credit: the first is what it likes to
-/// have, and each packet it has taken is one more. (docs/firmware.md)
+/// have, and each packet it has taken is one more. (docs/reference/host_port.md)
 class TakenPackets {
  public:
   /// Of a scenario; nothing: a packet of no send.

@@ -20,7 +20,7 @@ struct FaultTargets {
   std::function<void()> power_cycle;  ///< sends no answer: the process, or the node, ends
 };
 
-/// @name Requests about faults, as daemon/host/requests.md describes them
+/// @name Requests about faults, as docs/reference/requests.md describes them
 /// @throw RequestError, fault::ParseError: their text is the answer
 ///@{
 void begin_fault(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);

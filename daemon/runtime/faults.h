@@ -34,7 +34,7 @@ class Faults {
   void clear(const Done& done);
   bool full() const { return active_.size() >= kMost; }
 
-  /// As daemon/host/requests.md describes it, in the order in which they began.
+  /// As docs/reference/requests.md describes it, in the order in which they began.
   nlohmann::json list();
 
   /// A CPU that has booted again has none of its old faults.

@@ -9,7 +9,7 @@
 
 namespace limb_ring::runtime {
 
-/// What a client wants to observe; see "Observing" in daemon/host/requests.md.
+/// What a client wants to observe; see "Observing" in docs/reference/requests.md.
 struct ObserveFilter {
   std::set<std::string> kinds;             ///< of events; empty: none
   std::optional<capture::Choice> packets;  ///< nothing: none

@@ -8,7 +8,7 @@ namespace limb_ring::runtime {
 
 constexpr const char* kRequestRule = "a request is a JSON object {\"do\": \"...\", ...}";
 
-/// A request that a daemon answers (daemon/host/requests.md).
+/// A request that a daemon answers (docs/reference/requests.md).
 struct RequestKind {
   std::string name;                  ///< its `do`
   std::vector<std::string> members;  ///< what else it may have

@@ -18,7 +18,7 @@
 
 namespace limb_ring::runtime {
 
-/// Answers what a client asks the daemon (daemon/host/requests.md).
+/// Answers what a client asks the daemon (docs/reference/requests.md).
 class Requests {
  public:
   /// What requests are for. All must outlive this.

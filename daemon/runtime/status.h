@@ -27,7 +27,7 @@ struct StatusSources {
   const std::optional<RingSupervisor>& supervisor;  ///< none where another node is the ring's supervisor
 };
 
-/// A node's row of `ringctl status --json`, as daemon/host/requests.md describes it.
+/// A node's row of `ringctl status --json`, as docs/reference/requests.md describes it.
 nlohmann::json status_row(const StatusSources& from);
 
 /// A latch of a node's clock, as the request `latch` answers.

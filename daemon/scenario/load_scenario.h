@@ -7,7 +7,7 @@
 
 namespace limb_ring::scenario {
 
-/// Reads the YAML file of one scenario; docs/scenarios.md lists what may stand in it.
+/// Reads the YAML file of one scenario; docs/reference/scenarios.md lists what may stand in it.
 /// @throw config::ConfigError for the first thing that is wrong, with file, line and what is allowed; also for
 ///        the ring's file
 Scenario load_scenario(const std::string& path);

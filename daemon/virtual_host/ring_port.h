@@ -19,7 +19,7 @@ struct RingRequests {
 };
 
 /// The host port of a virtual ring itself, ALL.host where its nodes have ID.host (ALL: wire::kBroadcast): it answers
-/// also while nodes are dead or frozen. It has no CPU and sends nothing; requests alone (daemon/host/requests.md).
+/// also while nodes are dead or frozen. It has no CPU and sends nothing; requests alone (docs/reference/requests.md).
 class RingPort final : private host::HostHandler {
  public:
   /// @param nodes those of the ring. @throw std::exception where the socket cannot be had

@@ -179,7 +179,7 @@ class HostPort {
   /// Pulls this node's interrupt input (0 to 7), as a watchdog or a button wired to it would.
   /// @return token of the Result, as of send()
   std::uint32_t pull(std::uint8_t input);
-  /// Asks the daemon: a JSON object {"do": "...", ...}, at most 64 kB; see daemon/host/requests.md.
+  /// Asks the daemon: a JSON object {"do": "...", ...}, at most 64 kB; see docs/reference/requests.md.
   /// @return token of the Reply
   std::uint32_t request(const std::string& json);
   /// From now on, what happens at this node comes as Observed, and where "packets" is given, what

@@ -49,13 +49,13 @@ if(NOT result EQUAL 1 OR NOT said MATCHES "nowhere/3.host")
   fail("echo_cpu without a ring ended with ${result} and said: ${said}")
 endif()
 
-# The firmware of README.md, as it stands there, on a live ring.
-# And the package limb_ring for Python, with the CPUs in Python and the tests that README prints.
+# The firmware of the tutorial, as it stands there, on a live ring.
+# And the package limb_ring for Python, with the CPUs in Python and the tests that the tutorial prints.
 set(python_path PYTHONPATH=${prefix}/lib/python3/dist-packages:$ENV{PYTHONPATH})
 run(${CMAKE_COMMAND} -E env "CMAKE_PREFIX_PATH=${prefix}:${SEARCH_PATH}" CXX=${COMPILER} CXXFLAGS=${flags} ${python_path}
   PYTHON_EXECUTABLE=${PYTHON} XDG_RUNTIME_DIR=${SCRATCH}/runtime
-  ${PYTHON} ${CMAKE_CURRENT_LIST_DIR}/readme_firmware.py
-  ${PROJECT_SOURCE} ${prefix}/lib/limb_ring ${SCRATCH}/readme)
-run(${CMAKE_COMMAND} -E env ${python_path} PYTHONDONTWRITEBYTECODE=1 LIMB_RING_README=${PROJECT_SOURCE}/README.md
-  ${PYTHON} -m pytest -q -p no:cacheprovider ${PROJECT_SOURCE}/test/python/readme_test.py)
+  ${PYTHON} ${CMAKE_CURRENT_LIST_DIR}/tutorial_firmware.py
+  ${PROJECT_SOURCE} ${prefix}/lib/limb_ring ${SCRATCH}/tutorial)
+run(${CMAKE_COMMAND} -E env ${python_path} PYTHONDONTWRITEBYTECODE=1 LIMB_RING_TUTORIAL=${PROJECT_SOURCE}/docs/tutorial/6_test_it.md
+  ${PYTHON} -m pytest -q -p no:cacheprovider ${PROJECT_SOURCE}/test/python/tutorial_test.py)
 file(REMOVE_RECURSE ${SCRATCH})

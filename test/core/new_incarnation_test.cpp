@@ -170,7 +170,8 @@ TEST_F(InputIsAnother, WhatCameOnTheFormerOneIsForgotten) {
   EXPECT_EQ(solo.counters().pins_pulled, 2u);
 }
 
-// What it has sent back itself may come round on the second line: the same copy is not taken again. (protocol.md section 4.10)
+// What it has sent back itself may come round on the second line: the same copy is not taken again. (protocol.md
+// section 4.10)
 TEST_F(InputIsAnother, WhatCameOnAnyIsRememberedIfTheRingFoldsBack) {
   SoloNode solo = folding();
   solo.join();

@@ -1,4 +1,4 @@
-// The examples of docs/firmware.md are what the encoders write.
+// The examples of docs/reference/host_port.md are what the encoders write.
 #include <fstream>
 #include <string>
 

@@ -323,7 +323,7 @@ class Words(FaultTest):
 
 class Page(FaultTest):
     def test_the_example_works_as_it_is_pasted_and_has_all_faults_in_its_table(self):
-        with open(os.path.join(SOURCE, 'docs', 'faults.md'), encoding='utf-8') as file:
+        with open(os.path.join(SOURCE, 'docs', 'reference', 'faults.md'), encoding='utf-8') as file:
             page = file.read()
         example = re.search(r'^(?:    ringctl .*\n)+', page, re.MULTILINE).group(0)
         self.assertIn('ringctl up config/leg8.yaml --detach', example)

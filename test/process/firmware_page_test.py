@@ -1,4 +1,4 @@
-"""The program of docs/firmware.md, as it stands there, is a CPU whose joint obeys and shows up."""
+"""The program of docs/reference/host_port.md, as it stands there, is a CPU whose joint obeys and shows up."""
 import os
 import re
 import struct
@@ -10,7 +10,7 @@ import ring_process
 from ring_process import RingTest, plain_nodes
 from limb_ring import Packet
 
-PAGE = os.path.join(os.path.dirname(ring_process.CONFIG), 'docs', 'firmware.md')
+PAGE = os.path.join(os.path.dirname(ring_process.CONFIG), 'docs', 'reference', 'host_port.md')
 
 
 def program_of(page):

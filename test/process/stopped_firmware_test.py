@@ -1,4 +1,4 @@
-"""The examples' joint, and that of docs/firmware.md: after a while of standing still it makes up for no period, as it
+"""The examples' joint, and that of docs/reference/host_port.md: after a while of standing still it makes up for no period, as it
 would by states in a burst and steps in no time."""
 import os
 import signal

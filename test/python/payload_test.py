@@ -7,7 +7,7 @@ import pytest
 
 from limb_ring import Announcement, CommandSet, Fragmenter, JointCommand, JointState, Reassembler, SensorReading
 
-PAGE = os.path.join(os.path.dirname(os.environ['LIMB_RING_README']), 'docs', 'firmware.md')
+PAGE = os.path.join(os.path.dirname(os.environ['LIMB_RING_TUTORIAL']), '..', 'reference', 'host_port.md')
 STAMP = 1700000000000000000
 
 

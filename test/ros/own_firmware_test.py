@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Own firmware shows up in joint_states and obeys joint_commands: the examples, and the program of docs/firmware.md that
+"""Own firmware shows up in joint_states and obeys joint_commands: the examples, and the program of docs/reference/host_port.md that
 knows nothing of limb_ring but that page."""
 import os
 import re
@@ -48,7 +48,7 @@ class OwnFirmware(unittest.TestCase):
         self.walk(sys.executable, os.path.join(SOURCE, 'examples', 'joint_cpu.py'), goal=-0.25, added=ADDED_BY_ROSLAUNCH)
 
     def test_from_the_page_alone(self):
-        with open(os.path.join(SOURCE, 'docs', 'firmware.md')) as page:
+        with open(os.path.join(SOURCE, 'docs', 'reference', 'host_port.md')) as page:
             text, = re.findall(r'^```python\n(.*?)^```', page.read(), re.M | re.S)
         with tempfile.NamedTemporaryFile('w', suffix='.py') as program:
             program.write(text)

@@ -169,7 +169,7 @@ class Contents(unittest.TestCase):
         sources = "".join(text for path, text in texts() if path.startswith("ros_bridge") and path.endswith(".cpp"))
         counted = set(re.findall(r'counters_\.(?:add|set|lose|set_lost)\("(\w+)"[,)]', sources))
         self.assertGreater(len(counted), 15)
-        page = read(os.path.join("docs", "ros.md")).split("## Counters of the bridge")[1].split("\n## ")[0]
+        page = read(os.path.join("docs", "reference", "ros.md")).split("## Counters of the bridge")[1].split("\n## ")[0]
         self.assertEqual([name for name in sorted(counted) if "`%s`" % name not in page], [])
         of_topics = set(re.findall(r'"_(received|dropped_\w+)"', sources))
         of_topics |= set(re.findall(r'(?<!\.)(?:count|lose)\("(\w+)"\)', sources))

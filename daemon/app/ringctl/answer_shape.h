@@ -7,7 +7,7 @@
 namespace limb_ring::ringctl {
 
 // The daemon that answers may be of another version, or no ringd at all: before its answer is read, it is looked at
-// whether everything in it that is read is as daemon/host/requests.md has it.
+// whether everything in it that is read is as docs/reference/requests.md has it.
 
 /// What is wrong with a status row of that node, as "'cpu.state' is no text"; empty: nothing.
 std::string wrong_in_row(const nlohmann::json& row, std::uint8_t node);

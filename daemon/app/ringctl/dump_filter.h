@@ -26,7 +26,7 @@ wire::NodeId node_of(const std::string& word, const capture::RingNames& names);
 /// @throw UsageError naming the word that is wrong, and what there is
 capture::Choice choice_of(const FilterWords& words, const capture::RingNames& names);
 
-/// As `packets` of an observe order (daemon/host/requests.md).
+/// As `packets` of an observe order (docs/reference/requests.md).
 nlohmann::json order_of(const capture::Choice& choice);
 
 }  // namespace limb_ring::ringctl

@@ -10,7 +10,7 @@
 
 namespace limb_ring::ringctl {
 
-// A status row is what a daemon answers to "status" (daemon/host/requests.md).
+// A status row is what a daemon answers to "status" (docs/reference/requests.md).
 
 /// The row of a node that has no daemon: state "down", and null for what only that knows.
 nlohmann::json down_row(const NodeName& node);

@@ -85,11 +85,11 @@ void require_live(const Scenario& scenario, const std::string& transport) {
 void require_expectation(const Scenario& scenario) {
   if (!lasts(scenario))
     throw UsageError(scenario.path + ": it has no step, so no time passes and nothing would be tested; add one, as " +
-                     "steps: [{at: 1s}] (docs/scenarios.md)");
+                     "steps: [{at: 1s}] (docs/reference/scenarios.md)");
   if (expects_something(scenario)) return;
   throw UsageError(scenario.path +
                    ": nothing is expected, so nothing would be tested; add what has to be seen: a step " +
-                   "with when and within, or always, or never (docs/scenarios.md)");
+                   "with when and within, or always, or never (docs/reference/scenarios.md)");
 }
 
 /// @throw UsageError, ConfigError

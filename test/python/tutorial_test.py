@@ -1,13 +1,13 @@
-"""The tests that README.md prints pass as they stand there."""
+"""The tests that the tutorial prints pass as they stand there."""
 import os
 import re
 import subprocess
 import sys
 
 
-def test_the_tests_of_the_readme_pass(tmp_path):
-    with open(os.environ['LIMB_RING_README']) as readme:
-        blocks = re.findall(r'^```python\n(# (test_\w+\.py).*?)^```', readme.read(), re.M | re.S)
+def test_the_tests_of_the_tutorial_pass(tmp_path):
+    with open(os.environ['LIMB_RING_TUTORIAL']) as page:
+        blocks = re.findall(r'^```python\n(# (test_\w+\.py).*?)^```', page.read(), re.M | re.S)
     assert blocks
     for block, name in blocks:
         assert len(block.splitlines()) <= 16
@@ -19,8 +19,8 @@ def test_the_tests_of_the_readme_pass(tmp_path):
 
 
 def test_its_example_of_a_host_port_does_what_its_comment_says():
-    with open(os.environ['LIMB_RING_README']) as readme:
-        block, = re.findall(r'^```python\n(with limb_ring.*?)^```', readme.read(), re.M | re.S)
+    with open(os.environ['LIMB_RING_TUTORIAL']) as page:
+        block, = re.findall(r'^```python\n(with limb_ring.*?)^```', page.read(), re.M | re.S)
     said, = re.findall(r'# (<.*>)', block)
     done = subprocess.run([sys.executable, '-c', 'import limb_ring\n' + block], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, universal_newlines=True, timeout=100)

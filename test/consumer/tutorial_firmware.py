@@ -1,6 +1,6 @@
-"""The section "Your own firmware" of README.md: its files are those of examples/, its commands run, its firmware answers.
+"""The tutorial's chapter about firmware: its files are those of examples/, its commands run, its firmware answers.
 
-usage: readme_firmware.py SOURCE PROGRAMS FOLDER     (the environment says how limb_ring is found)
+usage: tutorial_firmware.py SOURCE PROGRAMS FOLDER     (the environment says how limb_ring is found)
 """
 import json
 import os
@@ -9,21 +9,15 @@ import shutil
 import subprocess
 import sys
 
-HEADING = '### Your own firmware'
+PAGE = 'docs/tutorial/4_firmware.md'
 PRINTED = {'ring.yaml', 'CMakeLists.txt', 'echo_cpu.cpp'}
-BESIDE = ['joint_cpu.cpp', 'echo_cpu.py', 'joint_cpu.py']   # what README links to
+BESIDE = ['joint_cpu.cpp', 'echo_cpu.py', 'joint_cpu.py']   # what the chapter links to
 GUARD = 240  # s
 
 
-def section(readme):
-    with open(readme) as file:
-        text = file.read()
-    start = text.index(HEADING) + len(HEADING)
-    return text[start:text.index('\n### ', start)]
-
-
-def blocks(text):
-    return re.findall(r'^```(\w+)\n(.*?)^```', text, re.M | re.S)
+def blocks(page):
+    with open(page) as file:
+        return re.findall(r'^```(\w+)\n(.*?)^```', file.read(), re.M | re.S)
 
 
 def write_files(found, examples, folder):
@@ -36,7 +30,7 @@ def write_files(found, examples, folder):
     assert set(printed) == PRINTED, set(printed)
     for name, block in printed.items():
         with open(os.path.join(examples, name)) as file:
-            assert file.read() == block, 'README.md and examples/%s differ' % name
+            assert file.read() == block, 'the page and examples/%s differ' % name
         with open(os.path.join(folder, name), 'w') as file:
             file.write(block)
     for name in BESIDE:
@@ -46,7 +40,7 @@ def write_files(found, examples, folder):
 def main():
     source, programs, folder = sys.argv[1:]
     os.mkdir(folder)
-    found = blocks(section(os.path.join(source, 'README.md')))
+    found = blocks(os.path.join(source, PAGE))
     write_files(found, os.path.join(source, 'examples'), folder)
     commands, = (block for language, block in found if language == 'sh')
     run(commands, programs, folder)

@@ -1,0 +1,24 @@
+"""Settings of the manual: `make docs` builds it as HTML. Readable as Markdown on a forge, too."""
+import os
+import re
+
+_HERE = os.path.dirname(os.path.abspath(__file__))
+
+with open(os.path.join(_HERE, '..', 'package.xml'), encoding='utf-8') as package:
+    release = re.search(r'<version>(.*)</version>', package.read()).group(1)
+
+project = 'limb_ring'
+author = 'limb_ring maintainers'
+copyright = author
+version = release
+extensions = ['myst_parser']
+myst_enable_extensions = ['colon_fence']
+myst_heading_anchors = 4
+source_suffix = {'.md': 'markdown'}
+exclude_patterns = ['_build']
+html_theme = 'furo'
+html_title = 'limb_ring ' + release
+html_static_path = []
+nitpicky = True
+# Links out of docs/ lead to files of the source: they work on a forge. Sphinx copies them into the manual.
+suppress_warnings = []

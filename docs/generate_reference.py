@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+"""Writes the pages of docs/reference that programs, launch files and docstrings know better.
+
+usage: generate_reference.py --programs FOLDER [--check]
+  --programs  folder with ringctl, ring_sim, ringd and limb_firmware; the Python package must be found by PYTHONPATH
+  --check     writes nothing; ends with 1 where a page is not what would be written
+"""
+import argparse
+import inspect
+import os
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as xml
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(HERE)
+WRITTEN = '<!-- Written by docs/generate_reference.py; do not edit by hand. -->\n\n'
+PROGRAMS = ('ringctl', 'ring_sim', 'ringd', 'limb_firmware')
+
+
+def output_of(*words):
+    environment = dict(os.environ, COLUMNS='80', NO_COLOR='1')
+    return subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True, timeout=30, env=environment).stdout.rstrip()
+
+
+def block(text):
+    return '```text\n%s\n```\n\n' % text
+
+
+def subcommands_in(text):
+    """What `complete` offers as first words: the subcommands, without options and `help`."""
+    return [word for word in text.split() if re.fullmatch(r'[a-z][a-z-]*', word) and word != 'help']
+
+
+def commands_page(programs):
+    page = '# Commands\n\n' + WRITTEN + 'Every program prints this with `--help`, and each subcommand, too.\n\n'
+    for name in PROGRAMS:
+        program = os.path.join(programs, name)
+        page += '## %s\n\n%s' % (name, block(output_of(program, '--help')))
+        for subcommand in subcommands_in(output_of(program, 'complete', '')) if name in ('ringctl', 'ring_sim') else []:
+            page += '### %s %s\n\n%s' % (name, subcommand, block(output_of(program, 'help', subcommand)))
+    return page.rstrip() + '\n'
+
+
+def cell(text):
+    return ' '.join(text.split()).replace('|', '\\|').replace('<', '&lt;')
+
+
+def launch_page():
+    page = '# Launch files\n\n' + WRITTEN + '`roslaunch --ros-args limb_ring FILE` prints the same.\n\n'
+    folder = os.path.join(ROOT, 'launch')
+    for name in sorted(os.listdir(folder)):
+        arguments = [arg for arg in xml.parse(os.path.join(folder, name)).getroot().findall('arg')
+                     if arg.get('value') is None]
+        page += '## %s\n\n' % name
+        if not arguments:
+            page += 'It takes no arguments.\n\n'
+            continue
+        page += '| argument | default | meaning |\n|---|---|---|\n'
+        for arg in arguments:
+            default = '`%s`' % cell(arg.get('default')) if arg.get('default') else 'required' if arg.get('default') is None else 'empty'
+            page += '| `%s` | %s | %s |\n' % (arg.get('name'), default, cell(arg.get('doc', '')))
+        page += '\n'
+    return page.rstrip() + '\n'
+
+
+def signature_of(thing):
+    try:
+        return str(inspect.signature(thing))
+    except (TypeError, ValueError):
+        return '(...)'
+
+
+def described(name, thing, level):
+    """A heading and the docstring of a class, of its public members, or of a function."""
+    if not callable(thing) and not isinstance(thing, property):
+        return ''
+    words = inspect.getdoc(thing) or ''
+    shown = name if isinstance(thing, property) or words.startswith(name.split('.')[-1] + '(') else name + signature_of(thing)
+    text = '%s `%s`\n\n' % ('#' * level, shown) + (block(words) if words else '')
+    if inspect.isclass(thing):
+        for member, value in sorted(vars(thing).items()):
+            if not member.startswith('_') and inspect.getdoc(value) and (callable(value) or isinstance(value, (property, classmethod))):
+                text += described('%s.%s' % (thing.__name__, member), getattr(thing, member), level + 1)
+    return text
+
+
+def python_page():
+    import limb_ring
+    page = '# Python\n\n' + WRITTEN + block(inspect.getdoc(limb_ring))
+    for name in sorted(limb_ring.__all__):
+        page += described(name, getattr(limb_ring, name), 2)
+    return page.rstrip() + '\n'
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument('--programs', required=True)
+    arguments.add_argument('--check', action='store_true')
+    options = arguments.parse_args()
+    pages = {'commands.md': commands_page(options.programs), 'launch.md': launch_page(), 'python.md': python_page()}
+    stale = []
+    for name, text in pages.items():
+        path = os.path.join(HERE, 'reference', name)
+        if options.check:
+            old = open(path, encoding='utf-8').read() if os.path.exists(path) else ''
+            stale += [name] if old != text else []
+        else:
+            with open(path, 'w', encoding='utf-8') as page:
+                page.write(text)
+    if stale:
+        print('docs/reference: %s not as the programs say it now; `make docs` writes it' % ', '.join(stale), file=sys.stderr)
+    return 1 if stale else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

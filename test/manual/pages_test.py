@@ -1,0 +1,79 @@
+"""Every link of the pages leads to a file and a heading that are there, the README is short, and one version stands everywhere."""
+import os
+import re
+import unittest
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+LINK = re.compile(r'\]\(([^)\s]+)\)')
+MOST_LINES_OF_README = 200
+
+
+def read(name):
+    with open(os.path.join(ROOT, name), encoding='utf-8') as file:
+        return file.read()
+
+
+def pages():
+    listed = [os.path.relpath(os.path.join(folder, file), ROOT)
+              for folder, folders, files in os.walk(os.path.join(ROOT, 'docs')) for file in files
+              if '_build' not in folder and file.endswith('.md')]
+    return sorted(listed) + ['README.md', 'CONTRIBUTING.md']
+
+
+def without_code(text):
+    return re.sub(r'`[^`\n]*`', '', re.sub(r'^```.*?^```', '', text, flags=re.S | re.M))
+
+
+def anchors(text):
+    """As a forge makes them of headings."""
+    found = set()
+    for heading in re.findall(r'^#+ +(.*)$', re.sub(r'^```.*?^```', '', text, flags=re.S | re.M), re.M):
+        words = re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', heading).lower()
+        found.add(re.sub(r'[^\w\- ]', '', words).strip().replace(' ', '-'))
+    return found
+
+
+class Pages(unittest.TestCase):
+    def test_links_lead_to_files_and_headings(self):
+        wrong = []
+        for page in pages():
+            for link in LINK.findall(without_code(read(page))):
+                if re.match(r'[a-z]+:', link):
+                    continue
+                path, _, anchor = link.partition('#')
+                target = os.path.normpath(os.path.join(os.path.dirname(page), path)) if path else page
+                if not os.path.exists(os.path.join(ROOT, target)):
+                    wrong.append('%s: no %s' % (page, link))
+                elif anchor and target.endswith('.md') and anchor not in anchors(read(target)):
+                    wrong.append('%s: no heading %s' % (page, link))
+        self.assertEqual(wrong, [])
+
+    def test_readme_is_short(self):
+        self.assertLessEqual(read('README.md').count('\n'), MOST_LINES_OF_README)
+
+    def test_every_page_can_be_reached_from_the_index(self):
+        seen, todo = set(), ['docs/index.md', 'README.md']
+        while todo:
+            page = todo.pop()
+            if page in seen:
+                continue
+            seen.add(page)
+            for link in LINK.findall(read(page)):
+                target = os.path.normpath(os.path.join(os.path.dirname(page), link.partition('#')[0]))
+                if target.endswith('.md') and os.path.exists(os.path.join(ROOT, target)):
+                    todo.append(target)
+        self.assertEqual([page for page in pages() if page not in seen], [])
+
+
+class Version(unittest.TestCase):
+    def test_one_version_stands_everywhere(self):
+        package = re.search(r'<version>(.*)</version>', read('package.xml')).group(1)
+        debian = re.match(r'limb-ring \(([^)]*)\)', read('debian/changelog')).group(1)
+        released = re.search(r'^(\d+\.\d+\.\d+) \(', read('CHANGELOG.rst'), re.M).group(1)
+        self.assertEqual((debian, released), (package, package))
+        readme = re.search(r'Version (\d+\.\d+\.\d+)', read('README.md')).group(1)
+        self.assertEqual(readme, package)
+
+
+if __name__ == '__main__':
+    unittest.main()
