@@ -18,7 +18,4 @@ source_suffix = {'.md': 'markdown'}
 exclude_patterns = ['_build']
 html_theme = 'furo'
 html_title = 'limb_ring ' + release
-html_static_path = []
 nitpicky = True
-# Links out of docs/ lead to files of the source: they work on a forge. Sphinx copies them into the manual.
-suppress_warnings = []
