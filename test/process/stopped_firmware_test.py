@@ -7,10 +7,11 @@ import time
 import unittest
 
 from firmware_page_test import PAGE, program_of
+import ring_process
 from ring_process import GUARD, RingTest, plain_nodes, program
 from limb_ring import JointState, Packet
 
-EXAMPLES = os.path.join(os.path.dirname(PAGE), '..', 'examples')
+EXAMPLES = os.path.join(os.path.dirname(ring_process.CONFIG), 'examples')
 PERIOD_NS = 10 ** 7
 STANDS = 1.0   # s
 

@@ -39,7 +39,7 @@ class Tools(RingTest):
         with self.assertRaises(HostPortError) as refused:
             port.ask({'do': 'dance'})
         known = str(refused.exception).split('there are ')[1].split(', ')
-        page = os.path.join(os.path.dirname(__file__), '..', '..', 'daemon', 'host', 'requests.md')
+        page = os.path.join(os.path.dirname(__file__), '..', '..', 'docs', 'reference', 'requests.md')
         with open(page) as text:
             table = text.read().split('|---|---|---|')[1].split('\n\n')[0]
         first_column = [row.split('|')[1] for row in table.strip().split('\n')]
