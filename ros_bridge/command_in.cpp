@@ -60,8 +60,13 @@ void CommandIn::warn_unknown(const std::string& topic, const std::vector<std::st
   counters_.add("commands_unknown_joint", names.size());
   for (const auto& name : names) {
     if (warned_.size() >= kWarnedLimit || !warned_.insert(name).second) continue;
-    ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s", topic.c_str(), name.c_str(),
-             joints_.names().c_str());
+    const std::string leader = joints_.leader_of(name);
+    if (leader.empty())
+      ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s", topic.c_str(), name.c_str(),
+               joints_.names().c_str());
+    else
+      ROS_WARN("%s: joint '%s' is refused: it has no motor and follows '%s', which can be commanded", topic.c_str(),
+               name.c_str(), leader.c_str());
   }
 }
 

@@ -3,6 +3,7 @@
 namespace limb_ring::bridge {
 
 JointMap::JointMap(const config::RingConfig& ring) {
+  for (const auto& follower : ring.followers) leaders_[follower.name] = follower.leader;
   for (std::size_t node = 0; node < ring.nodes.size(); ++node) {
     const auto& joints = ring.nodes[node].joints;
     ids_.push_back(ring.nodes[node].id);
@@ -12,6 +13,11 @@ JointMap::JointMap(const config::RingConfig& ring) {
       names_ += (names_.empty() ? "" : ", ") + joints[joint].name;
     }
   }
+}
+
+std::string JointMap::leader_of(const std::string& joint) const {
+  const auto found = leaders_.find(joint);
+  return found == leaders_.end() ? std::string() : found->second;
 }
 
 std::optional<JointMap::Place> JointMap::find(const std::string& joint) const {

@@ -22,6 +22,8 @@ class JointMap {
   std::uint8_t id(std::size_t node) const { return ids_[node]; }
   std::size_t joints(std::size_t node) const { return counts_[node]; }
   std::size_t nodes() const { return ids_.size(); }
+  /// The joint that this one follows without a motor of its own; empty: it follows none.
+  std::string leader_of(const std::string& joint) const;
   /// All joints, separated by commas.
   const std::string& names() const { return names_; }
 
@@ -29,6 +31,7 @@ class JointMap {
   std::vector<std::uint8_t> ids_;
   std::vector<std::size_t> counts_;
   std::unordered_map<std::string, Place> places_;
+  std::unordered_map<std::string, std::string> leaders_;
   std::string names_;
 };
 

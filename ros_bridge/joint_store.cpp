@@ -30,7 +30,8 @@ JointStore::Clock::duration three_periods(double rate) {
 
 }  // namespace
 
-JointStore::JointStore(const config::RingConfig& ring) : silence_(three_periods(ring.firmware.state_rate)) {
+JointStore::JointStore(const config::RingConfig& ring)
+    : silence_(three_periods(ring.firmware.state_rate)), followers_(ring.followers) {
   for (const auto& config : ring.nodes) {
     if (config.joints.empty()) continue;
     order_.push_back(config.id);
@@ -77,7 +78,24 @@ JointStore::Snapshot JointStore::snapshot(Clock::time_point now, Clock::duration
     for (std::size_t i = 0; i < node.joints.size(); ++i)
       snapshot.fresh.push_back({node.joints[i], node.state.joints[i]});
   }
+  add_followers(snapshot);
   return snapshot;
+}
+
+/// They have no motor, so no effort. One whose leader is silent is silent with it.
+void JointStore::add_followers(Snapshot& snapshot) const {
+  if (followers_.empty()) return;
+  std::map<std::string, payload::JointState::Joint> leaders;
+  for (const Joint& joint : snapshot.fresh) leaders[joint.name] = joint.state;
+  for (const auto& follower : followers_) {
+    const auto leader = leaders.find(follower.leader);
+    if (leader == leaders.end())
+      snapshot.silent.push_back(follower.name);
+    else
+      snapshot.fresh.push_back({follower.name,
+                                {follower.multiplier * leader->second.position + follower.offset,
+                                 follower.multiplier * leader->second.velocity, 0}});
+  }
 }
 
 bool JointStore::speaks(std::uint8_t id, Clock::time_point now, Clock::duration pause) const {

@@ -28,7 +28,7 @@ class JointStore {
     std::int64_t stamp_ns;
   };
   struct Snapshot {
-    std::vector<Joint> fresh;          ///< in the configuration's order
+    std::vector<Joint> fresh;          ///< in the configuration's order, then those that follow them
     std::int64_t oldest_stamp_ns = 0;  ///< of the samples in `fresh`; wall clock
     std::vector<Sample> samples;       ///< that `fresh` is made of
     std::vector<std::string> silent;   ///< joints left out
@@ -62,10 +62,12 @@ class JointStore {
     Received received;
   };
   bool is_fresh(const Node& node, Clock::time_point now, Clock::duration pause) const;
+  void add_followers(Snapshot& snapshot) const;
 
   Clock::duration silence_;
   std::vector<std::uint8_t> order_;
   std::map<std::uint8_t, Node> nodes_;
+  std::vector<config::FollowerConfig> followers_;
 };
 
 }  // namespace limb_ring::bridge

@@ -156,6 +156,7 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   warn_of_unknown(own);
   Parameters parameters;
   parameters.ring = config::load_ring(config_parameter(own));
+  for (const std::string& warning : parameters.ring.warnings) ROS_WARN("%s", warning.c_str());
   const auto ring = given_text(own, "ring");
   if (!ring.empty()) config::rename_ring(parameters.ring, ring);
   parameters.rate = rate_parameter(given_parameter(own, "rate"), parameters.ring.bridge.rate);

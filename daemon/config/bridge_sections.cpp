@@ -12,7 +12,7 @@ constexpr std::size_t kMostControllers = 16;
 constexpr TimeRange kBridgePhases{0s, 1s, nanoseconds(1)};
 constexpr const char* kControllers = "true (joint_commands), false, or a list of up to 16 topics of joint commands";
 
-void check_topic(const Entry& entry, const TopicConfig& topic) {
+void check_topic(const Entry& entry, TopicConfig& topic) {
   if (topic.from == topic.to) entry.refuse("the topic goes from a node to itself", "two nodes, each with a bridge");
   if ((topic.size == 0) != (topic.rate == 0))
     entry.refuse(topic.size == 0 ? "it has a rate and no size" : "it has a size and no rate",

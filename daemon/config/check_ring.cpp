@@ -12,22 +12,23 @@ namespace {
 /// Element `index` of the list `name`, which is known to be there.
 Entry element(const Entry& map, const char* name, std::size_t index) { return map.find(name)->items("").at(index); }
 
-void check_idle(const Entry& file, const Timeouts& timeouts) {
+void check_idle(const Entry& file, const Timeouts& timeouts, Problems& problems) {
   if (timeouts.idle * 2 <= timeouts.silence) return;
   const Entry section = *file.find("timeouts");
   const auto idle = section.find("idle");
   (idle ? *idle : *section.find("silence"))
-      .refuse("idle " + format_time(timeouts.idle) + " is too long for silence " + format_time(timeouts.silence),
-              "an idle of at most half of silence");
+      .note(problems,
+            "idle " + format_time(timeouts.idle) + " is too long for silence " + format_time(timeouts.silence),
+            "an idle of at most half of silence");
 }
 
-void check_part_names(const Entry& file, const RingConfig& ring) {
+void check_part_names(const Entry& file, const RingConfig& ring, Problems& problems) {
   std::set<std::string> joints, sensors;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const NodeConfig& node = ring.nodes[n];
     const auto refuse = [&](const char* list, std::size_t i, const std::string& name) {
       element(element(file, "nodes", n), list, i)
-          .refuse("'" + name + "' is the name of another one", "each name once in a ring");
+          .note(problems, "'" + name + "' is the name of another one", "each name once in a ring");
     };
     for (std::size_t i = 0; i < node.joints.size(); ++i)
       if (!joints.insert(node.joints[i].name).second) refuse("joints", i, node.joints[i].name);
@@ -37,14 +38,14 @@ void check_part_names(const Entry& file, const RingConfig& ring) {
 }
 
 /// A node without a CPU throws away what it is sent, and nobody would say anything of its joints and sensors.
-void check_parts_have_cpu(const Entry& file, const RingConfig& ring) {
+void check_parts_have_cpu(const Entry& file, const RingConfig& ring, Problems& problems) {
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const NodeConfig& node = ring.nodes[n];
     if (node.cpu.kind != CpuConfig::Kind::none) continue;
     const auto refuse = [&](const char* list, const std::string& part) {
       element(element(file, "nodes", n), list, 0)
-          .refuse(part + " needs a CPU: node '" + node.name + "' has cpu: none",
-                  "a cpu for this node: {command: [limb_firmware]}, or attached");
+          .note(problems, part + " needs a CPU: node '" + node.name + "' has cpu: none",
+                "a cpu for this node: {command: [limb_firmware]}, or attached");
     };
     if (!node.joints.empty()) refuse("joints", "joint '" + node.joints[0].name + "'");
     if (!node.sensors.empty()) refuse("sensors", "sensor '" + node.sensors[0].name + "'");
@@ -52,7 +53,7 @@ void check_parts_have_cpu(const Entry& file, const RingConfig& ring) {
 }
 
 /// For unix links too: the command line can make them udp.
-void check_ports(const Entry& file, const RingConfig& ring) {
+void check_ports(const Entry& file, const RingConfig& ring, Problems& problems) {
   std::map<std::pair<std::string, unsigned>, std::string> taken;
   const bool folds = ring.folds_back();
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
@@ -61,9 +62,10 @@ void check_ports(const Entry& file, const RingConfig& ring) {
       const auto [other, free] = taken.emplace(std::make_pair(link.address, port), ring.nodes[n].name);
       if (free && port <= 65535) return;
       element(file, "nodes", n)
-          .refuse("its link listens at " + link.address + " port " + std::to_string(port) +
-                      (free ? "" : ", as does node '" + other->second + "'"),
-                  free ? "a port of at most 65279: the second line is at port + 256" : "a port of its own");
+          .note(problems,
+                "its link listens at " + link.address + " port " + std::to_string(port) +
+                    (free ? "" : ", as does node '" + other->second + "'"),
+                free ? "a port of at most 65279: the second line is at port + 256" : "a port of its own");
     };
     take(link.port);
     if (folds) take(link.port + 256u);
@@ -72,7 +74,8 @@ void check_ports(const Entry& file, const RingConfig& ring) {
 
 /// Who stops all sends one broadcast, of the pin that stops it: that has to stop the others too, and must reset nobody.
 /// The same holds for latching all clocks.
-void check_common_pin(const Entry& file, const RingConfig& ring, PinConfig::Action action, const std::string& what) {
+void check_common_pin(const Entry& file, const RingConfig& ring, PinConfig::Action action, const std::string& what,
+                      Problems& problems) {
   const NodeConfig* first = nullptr;
   for (const NodeConfig& node : ring.nodes)
     if (first == nullptr && first_pin(node, action)) first = &node;
@@ -85,15 +88,16 @@ void check_common_pin(const Entry& file, const RingConfig& ring, PinConfig::Acti
     if (own ? *own == common : !resets) continue;
     const std::string pin = "pin " + std::to_string(common);
     element(file, "nodes", n)
-        .refuse((own ? "its first pin wired to " + what + " is " + std::to_string(*own)
-                     : "its " + pin + " is wired to reset") +
-                    ", and " + pin + " is node '" + first->name + "'s for " + what + ": a broadcast to all would not " +
-                    what + " it",
-                pin + " wired to " + what + " at every node that has such a pin, and to reset at none");
+        .note(problems,
+              (own ? "its first pin wired to " + what + " is " + std::to_string(*own)
+                   : "its " + pin + " is wired to reset") +
+                  ", and " + pin + " is node '" + first->name + "'s for " + what + ": a broadcast to all would not " +
+                  what + " it",
+              pin + " wired to " + what + " at every node that has such a pin, and to reset at none");
   }
 }
 
-void check_inputs(const Entry& file, const RingConfig& ring) {
+void check_inputs(const Entry& file, const RingConfig& ring, Problems& problems) {
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)
     for (std::size_t i = 0; i < ring.nodes[n].inputs.size(); ++i) {
       const auto& input = ring.nodes[n].inputs[i];
@@ -101,59 +105,61 @@ void check_inputs(const Entry& file, const RingConfig& ring) {
       element(file, "nodes", n)
           .find("inputs")
           ->find(std::to_string(i))
-          ->refuse("to all with factor " + std::to_string(input->factor) + " would reset CPUs",
-                   "one node, or a factor that no node has wired to reset");
+          ->note(problems, "to all with factor " + std::to_string(input->factor) + " would reset CPUs",
+                 "one node, or a factor that no node has wired to reset");
     }
 }
 
-void check_bridge_at(const Entry& topic, const RingConfig& ring, const char* end, std::uint8_t id) {
+void check_bridge_at(const Entry& topic, const RingConfig& ring, const char* end, std::uint8_t id, Problems& problems) {
   const NodeConfig& node = *ring.find(id);
   if (node.cpu.kind == CpuConfig::Kind::none)
-    topic.find(end)->refuse("node '" + node.name + "' has cpu: none, so no bridge",
-                            "a node with cpu: attached, or a command");
+    topic.find(end)->note(problems, "node '" + node.name + "' has cpu: none, so no bridge",
+                          "a node with cpu: attached, or a command");
 }
 
-void check_topics(const Entry& file, const RingConfig& ring) {
+void check_topics(const Entry& file, const RingConfig& ring, Problems& problems) {
   std::set<std::pair<unsigned, std::string>> outputs;
   for (std::size_t t = 0; t < ring.bridge.topics.size(); ++t) {
     const TopicConfig& topic = ring.bridge.topics[t];
     const Entry entry = element(*file.find("bridge"), "topics", t);
-    check_bridge_at(entry, ring, "from", topic.from);
-    check_bridge_at(entry, ring, "to", topic.to);
+    check_bridge_at(entry, ring, "from", topic.from, problems);
+    check_bridge_at(entry, ring, "to", topic.to, problems);
     if (!outputs.emplace(topic.to, topic.output).second)
-      entry.refuse("output '" + topic.output + "' is another topic's at the same node", "each output once at a node");
+      entry.note(problems, "output '" + topic.output + "' is another topic's at the same node",
+                 "each output once at a node");
   }
 }
 
 /// An interrupt that pulls nothing ends "refused"; a broadcast, if one node has nothing to pull.
-void check_traffic_pin(const Entry& entry, const RingConfig& ring, const TrafficConfig& stream) {
+void check_traffic_pin(const Entry& entry, const RingConfig& ring, const TrafficConfig& stream, Problems& problems) {
   for (const NodeConfig& node : ring.nodes) {
     const bool addressed = stream.broadcast ? node.id != stream.from : node.id == stream.to;
     if (addressed && node.pins[*stream.interrupt].action == PinConfig::Action::none)
-      entry.refuse("pin " + std::to_string(*stream.interrupt) + " of node '" + node.name + "' is wired to nothing",
-                   "a factor that is wired at every destination");
+      entry.note(problems,
+                 "pin " + std::to_string(*stream.interrupt) + " of node '" + node.name + "' is wired to nothing",
+                 "a factor that is wired at every destination");
   }
 }
 
-void check_traffic(const Entry& file, const RingConfig& ring) {
+void check_traffic(const Entry& file, const RingConfig& ring, Problems& problems) {
   std::set<std::string> names;
   for (std::size_t t = 0; t < ring.traffic.size(); ++t) {
     const TrafficConfig& stream = ring.traffic[t];
     const Entry entry = element(file, "traffic", t);
     if (!names.insert(stream.name).second)
-      entry.refuse("'" + stream.name + "' is the name of another one", "each name once");
-    if (stream.interrupt) check_traffic_pin(*entry.find("interrupt"), ring, stream);
+      entry.note(problems, "'" + stream.name + "' is the name of another one", "each name once");
+    if (stream.interrupt) check_traffic_pin(*entry.find("interrupt"), ring, stream, problems);
   }
 }
 
 /// The cure is an INTP to a reset pin: ordering it where there is none would only use up the tries.
-void check_supervisor(const Entry& file, const RingConfig& ring) {
+void check_supervisor(const Entry& file, const RingConfig& ring, Problems& problems) {
   if (ring.supervisor.policy != SupervisorConfig::Policy::automatic) return;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)
     if (ring.nodes[n].cpu.alive_period.count() != 0 && !first_pin(ring.nodes[n], PinConfig::Action::reset))
       element(file, "nodes", n)
-          .refuse("its cpu has an alive_period, but no pin of it is wired to reset",
-                  "a pin wired to reset, or a supervisor with policy report or off");
+          .note(problems, "its cpu has an alive_period, but no pin of it is wired to reset",
+                "a pin wired to reset, or a supervisor with policy report or off");
 }
 
 std::string beyond_this_host(const NodeConfig& node) {
@@ -162,25 +168,26 @@ std::string beyond_this_host(const NodeConfig& node) {
 }
 
 /// Whoever can send a datagram there could otherwise command the joints.
-void check_keys(const Entry& file, const RingConfig& ring) {
+void check_keys(const Entry& file, const RingConfig& ring, Problems& problems) {
   if (!ring.links.key.empty() && ring.links.insecure)
-    file.find("links")->find("insecure")->refuse("is true, and there is a key", "one of the two");
+    file.find("links")->find("insecure")->note(problems, "is true, and there is a key", "one of the two");
   if (!ring.links.key.empty() || ring.links.insecure) return;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)
     if (hears_other_hosts(ring, ring.nodes[n]))
-      element(file, "nodes", n).refuse(beyond_this_host(ring.nodes[n]), kKeyOrInsecure);
+      return element(file, "nodes", n).note(problems, beyond_this_host(ring.nodes[n]), kKeyOrInsecure);
 }
 
 /// Connect, accept and the first signs of life have to get through before an end counts as gone.
-void check_expected(const Entry& file, const RingConfig& ring) {
+void check_expected(const Entry& file, const RingConfig& ring, Problems& problems) {
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const nanoseconds delay = ring.nodes[n].link.whole_delay();
     const nanoseconds least = 2 * delay + 2 * ring.timeouts.idle;
     if (delay.count() == 0 || ring.timeouts.silence >= least) continue;
     element(file, "nodes", n)
-        .refuse("the line into it takes " + format_time(delay) + " one way, and timeouts.silence is only " +
-                    format_time(ring.timeouts.silence) + ": its ends would give each other up",
-                "a timeouts.silence of at least " + format_time(least) + ": twice the delay and twice timeouts.idle");
+        .note(problems,
+              "the line into it takes " + format_time(delay) + " one way, and timeouts.silence is only " +
+                  format_time(ring.timeouts.silence) + ": its ends would give each other up",
+              "a timeouts.silence of at least " + format_time(least) + ": twice the delay and twice timeouts.idle");
   }
 }
 
@@ -198,19 +205,21 @@ std::string unkeyed_line(const RingConfig& ring) {
 }
 
 void check_ring(const Entry& file, const RingConfig& ring) {
-  check_idle(file, ring.timeouts);
-  check_part_names(file, ring);
-  check_parts_have_cpu(file, ring);
-  check_hosts(file, ring);
-  check_keys(file, ring);
-  check_expected(file, ring);
-  check_ports(file, ring);
-  check_common_pin(file, ring, PinConfig::Action::stop, "stop");
-  check_common_pin(file, ring, PinConfig::Action::sync, "sync");
-  check_inputs(file, ring);
-  check_supervisor(file, ring);
-  check_topics(file, ring);
-  check_traffic(file, ring);
+  Problems problems;
+  check_idle(file, ring.timeouts, problems);
+  check_part_names(file, ring, problems);
+  check_parts_have_cpu(file, ring, problems);
+  problems.gather([&] { check_hosts(file, ring); });
+  check_keys(file, ring, problems);
+  check_expected(file, ring, problems);
+  check_ports(file, ring, problems);
+  check_common_pin(file, ring, PinConfig::Action::stop, "stop", problems);
+  check_common_pin(file, ring, PinConfig::Action::sync, "sync", problems);
+  check_inputs(file, ring, problems);
+  check_supervisor(file, ring, problems);
+  check_topics(file, ring, problems);
+  check_traffic(file, ring, problems);
+  problems.refuse_all();
 }
 
 }  // namespace limb_ring::config

@@ -74,6 +74,10 @@ void Entry::refuse(const std::string& problem, const std::string& allowed) const
   throw ConfigError(place() + ": " + what + ": " + problem + "; allowed: " + allowed);
 }
 
+void Entry::note(Problems& problems, const std::string& problem, const std::string& allowed) const {
+  problems.gather([&] { refuse(problem, allowed); });
+}
+
 void Entry::refuse_value(const std::string& problem, const std::string& allowed) const {
   refuse(found() + ' ' + problem, allowed);
 }

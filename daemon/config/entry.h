@@ -19,6 +19,11 @@ struct Document {
   std::map<std::string, std::uint8_t> nodes;  ///< every node's id, by name and by id in digits
   UrdfJoints urdf;                            ///< what it names as `urdf`
   std::map<std::string, std::size_t> hosts;   ///< every host's place in the file, by name
+  /// Not all nodes, or hosts, could be read: who refers to one that is not there is not to blame.
+  bool nodes_unsure = false, hosts_unsure = false;
+  bool urdf_unsure = false;  ///< it could not be read
+  /// What the URDF does not say of joints that it is asked for: their names, by what it is.
+  std::map<std::string, std::vector<std::string>> not_said;
 };
 
 struct Member;
@@ -53,6 +58,8 @@ class Entry {
 
   /// @throw ConfigError `FILE:LINE:COLUMN: entry 'PATH': PROBLEM; allowed: ALLOWED`, always.
   [[noreturn]] void refuse(const std::string& problem, const std::string& allowed) const;
+  /// The same as a line of `problems`.
+  void note(Problems& problems, const std::string& problem, const std::string& allowed) const;
   /// The same with what stands there: `'12 parsec' PROBLEM`.
   [[noreturn]] void refuse_value(const std::string& problem, const std::string& allowed) const;
 

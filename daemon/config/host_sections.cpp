@@ -15,18 +15,23 @@ bool is_ssh_destination(const std::string& text) {
 }
 
 void read_hosts(const Entry& entry, RingConfig& ring) {
+  entry.document().hosts_unsure = true;
   const std::vector<Entry> items = entry.items(kAllowedHosts, kMostNodes);
   if (items.empty()) entry.refuse("a list of 0 is too short", kAllowedHosts);
   std::set<std::string> addresses;
-  for (const Entry& item : items) {
-    HostConfig host;
-    read_section(item, host_section(), host);
-    if (!item.document().hosts.emplace(host.name, ring.hosts.size()).second)
-      item.find("name")->refuse_value("is another host's name", "each name once");
-    if (!addresses.insert(host.address).second)
-      item.find("address")->refuse_value("is another host's address", "each address once");
-    ring.hosts.push_back(std::move(host));
-  }
+  Problems problems;
+  for (const Entry& item : items)
+    problems.gather([&] {
+      HostConfig host;
+      read_section(item, host_section(), host);
+      if (!item.document().hosts.emplace(host.name, ring.hosts.size()).second)
+        item.find("name")->refuse_value("is another host's name", "each name once");
+      if (!addresses.insert(host.address).second)
+        item.find("address")->refuse_value("is another host's address", "each address once");
+      ring.hosts.push_back(std::move(host));
+    });
+  problems.refuse_all();
+  entry.document().hosts_unsure = false;
 }
 
 }  // namespace
@@ -58,6 +63,7 @@ std::size_t read_host(const Entry& entry) {
   const std::string text = entry.text(rule);
   const auto found = hosts.find(text);
   if (found != hosts.end()) return found->second;
+  if (entry.document().hosts_unsure) throw ConfigError("");
   const std::string meant = closest(text, names);
   entry.refuse_value(meant.empty() ? "is no host of it" : "is no host of it, did you mean '" + meant + "'?", rule);
 }

@@ -4,6 +4,7 @@
 
 #include "config/check_ring.h"
 #include "config/sections.h"
+#include "config/urdf_limits.h"
 #include "config/yaml_file.h"
 
 namespace limb_ring::config {
@@ -41,7 +42,8 @@ void refuse_scenario(const Entry& file) {
 }  // namespace
 
 RingConfig parse_ring(const std::string& text, const std::string& name) {
-  Document document{name, {}, {}, {}};
+  Document document;
+  document.name = name;
   const Entry file(parse_yaml(text, name), "", document);
   RingConfig ring;
   ring.path = name;
@@ -51,6 +53,8 @@ RingConfig parse_ring(const std::string& text, const std::string& name) {
   find_key(ring);
   expect_of_networks_alone(ring);
   check_ring(file, ring);
+  take_followers(document.urdf, ring);
+  ring.warnings = urdf_warnings(document);
   return ring;
 }
 

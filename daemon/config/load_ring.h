@@ -8,8 +8,8 @@
 namespace limb_ring::config {
 
 /// Reads the YAML file of one ring. What is not in it has its default (config/OPTIONS.md).
-/// @throw ConfigError for the first thing that is wrong: file not readable or above 1 MiB, not
-///        YAML, an unknown entry, a wrong type or range, entries that contradict each other.
+/// @throw ConfigError where the file is not readable, above 1 MiB or not YAML; else for every entry that is unknown or
+///        of a wrong type or range, a line each; and where none is, for all entries that contradict each other.
 RingConfig load_ring(const std::string& path);
 
 /// The same for YAML in memory. `name` stands for the file in errors.

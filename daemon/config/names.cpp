@@ -38,6 +38,10 @@ bool is_host_name(const std::string& name) { return is_part_name(name) && name !
 
 bool is_part_name(const std::string& name) { return consists_of(name, "_-.", 64) && is_letter(name[0]); }
 
+bool is_joint_name(const std::string& name) {
+  return consists_of(name, "_-./", 64) && name[0] != '-' && name[0] != '.';
+}
+
 bool is_sensor_name(const std::string& name) { return consists_of(name, "_", 64) && is_letter(name[0]); }
 
 bool is_topic_name(const std::string& name) {

@@ -13,6 +13,8 @@ constexpr const char* kNodeNameRule = "a letter, then letters, digits and '_', 3
 constexpr const char* kHostNameRule =
     "a letter, then letters, digits, '_', '-' and '.', 64 at most, and not the word 'all'";
 constexpr const char* kPartNameRule = "a letter, then letters, digits, '_', '-' and '.', 64 at most";
+constexpr const char* kJointNameRule =
+    "a letter, a digit, '_' or '/', then letters, digits, '_', '-', '.' and '/', 64 at most";
 constexpr const char* kSensorNameRule = "a letter, then letters, digits and '_', 64 at most";
 constexpr const char* kTopicNameRule =
     "a ROS topic name, not a private one: a letter or '/', then letters, digits, '_' and '/', 200 at most";
@@ -21,8 +23,10 @@ using limb_ring::is_ring_name;
 bool is_node_name(const std::string& name);
 /// A machine that runs nodes.
 bool is_host_name(const std::string& name);
-/// A joint, or a stream of `traffic` or of a scenario.
+/// A stream of `traffic` or of a scenario.
 bool is_part_name(const std::string& name);
+/// As robot descriptions have it, with the '/' of ROS names.
+bool is_joint_name(const std::string& name);
 /// A sensor's name is part of its topic's, in which ROS allows neither '-' nor '.'.
 bool is_sensor_name(const std::string& name);
 bool is_topic_name(const std::string& name);

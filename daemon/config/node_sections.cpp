@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "config/sections.h"
 #include "config/urdf_limits.h"
 
@@ -28,21 +30,23 @@ void read_cpu(const Entry& entry, NodeConfig& node) {
   node.cpu.kind = word == "none" ? CpuConfig::Kind::none : CpuConfig::Kind::attached;
 }
 
-constexpr RealRange kVelocities{0.001, 1000, "rad/s"}, kEfforts{0.001, 2000, "N m"};
+const char* unit_of(const JointConfig& joint) { return joint.slides() ? " m" : " rad"; }
 
-void check_joint(const Entry& entry, const JointConfig& joint) {
-  for (const char* angle : {"lower", "upper"}) check_urdf_limit(entry, joint, angle, kAngleRange);
-  check_urdf_limit(entry, joint, "velocity", kVelocities);
-  check_urdf_limit(entry, joint, "effort", kEfforts);
-  const std::string range = format_real(joint.lower) + " to " + format_real(joint.upper) + " rad";
-  if (joint.lower >= joint.upper)
+/// Where the ring's file does not say where it starts, it starts as near to 0 as it may.
+void complete_joint(const Entry& entry, JointConfig& joint) {
+  if (entry.document().urdf_unsure) return;
+  for (const char* limit : {"lower", "upper", "velocity", "effort"}) check_urdf_limit(entry, joint, limit);
+  const std::string range = format_real(joint.lower) + " to " + format_real(joint.upper) + unit_of(joint);
+  const bool own = entry.document().urdf.path.empty() || entry.find("lower") || entry.find("upper");
+  if (joint.lower > joint.upper || (joint.lower == joint.upper && own))
     entry.refuse("joint '" + joint.name + "' has the limits " + range, "lower less than upper");
+  if (!entry.find("initial")) joint.initial = std::clamp(0.0, joint.lower, joint.upper);
   if (joint.initial < joint.lower || joint.initial > joint.upper)
     entry.refuse("joint '" + joint.name + "' has initial " + format_real(joint.initial) + ", outside its limits",
                  range);
 }
 
-void check_sensor(const Entry&, const SensorConfig&) {}
+void complete_sensor(const Entry&, SensorConfig&) {}
 
 Option<NodeConfig> id_option() {
   Option<NodeConfig> id =
@@ -51,9 +55,25 @@ Option<NodeConfig> id_option() {
   return id;
 }
 
+/// The defaults of the joint's other entries depend on it.
+Option<JointConfig> joint_type_option() {
+  auto option =
+      choice_option("type", &JointConfig::type, {"revolute", "continuous", "prismatic"},
+                    "revolute turns, continuous without end: in rad, rad/s and N m. prismatic slides: in m, "
+                    "m/s and N, by default from -1 to 1 m, at 1 m/s, with 500 N. With a `urdf` it is as there.");
+  option.read = [read = option.read](const Entry& entry, JointConfig& joint) {
+    const auto there = joint.type;
+    read(entry, joint);
+    if (entry.document().urdf.path.empty()) return take_usual_limits(joint);
+    if (joint.type != there)
+      entry.refuse_value("is another type than in " + entry.document().urdf.path, "to leave it out");
+  };
+  return option;
+}
+
 /// With the name it is known what a URDF says of it, as the defaults of the joint's other entries.
 Option<JointConfig> joint_name_option() {
-  auto option = name_option("name", &JointConfig::name, is_part_name, kPartNameRule, kRequired,
+  auto option = name_option("name", &JointConfig::name, is_joint_name, kJointNameRule, kRequired,
                             "As in JointState messages, and in the `urdf`; each name once in a ring.");
   option.read = [read_name = option.read](const Entry& entry, JointConfig& joint) {
     read_name(entry, joint);
@@ -75,9 +95,9 @@ const Section<NodeConfig>& node_section() {
        "none: a built-in sink that counts. attached: an outside process connects, such as the "
        "bridge. command: ringd starts it.",
        read_cpu},
-      list_option("joints", &NodeConfig::joints, joint_section(), kMostJoints, check_joint,
+      list_option("joints", &NodeConfig::joints, joint_section(), kMostJoints, complete_joint,
                   "The joints this node drives; they need a cpu."),
-      list_option("sensors", &NodeConfig::sensors, sensor_section(), kMostSensors, check_sensor,
+      list_option("sensors", &NodeConfig::sensors, sensor_section(), kMostSensors, complete_sensor,
                   "The sensors this node reads; they need a cpu. A sensor's name is the frame_id of its messages."),
       {"pins", "{0: reset, 1: stop, 2: sync}", "a map, see below", "What interrupts from the ring do here.",
        [](const Entry& entry, NodeConfig& node) { read_section(entry, pins_section(), node); }},
@@ -116,15 +136,19 @@ const Section<CpuConfig>& cpu_section() {
 }
 
 const Section<JointConfig>& joint_section() {
+  Option<JointConfig> initial =
+      real_option("initial", &JointConfig::initial, kPositions, "Position when the firmware starts.");
+  initial.fallback = "what is nearest to 0 within the limits";
   static const Section<JointConfig> section{
       joint_name_option(),
-      real_option("lower", &JointConfig::lower, kAngleRange, "Lower limit of the angle."),
-      real_option("upper", &JointConfig::upper, kAngleRange, "Upper limit of the angle."),
+      joint_type_option(),
+      real_option("lower", &JointConfig::lower, kPositions, "Lower limit of the position."),
+      real_option("upper", &JointConfig::upper, kPositions, "Upper limit of the position."),
       real_option("velocity", &JointConfig::velocity, kVelocities, "Limit of the speed, both ways."),
-      real_option("effort", &JointConfig::effort, kEfforts, "Limit of the torque, both ways."),
-      real_option("initial", &JointConfig::initial, kAngleRange, "Angle when the firmware starts."),
+      real_option("effort", &JointConfig::effort, kEfforts, "Limit of the torque or force, both ways."),
+      initial,
       choice_option("safe", &JointConfig::safe, {"hold", "damp"},
-                    "Safe state: hold the angle, or let go with damping."),
+                    "Safe state: hold the position, or let go with damping."),
   };
   return section;
 }

@@ -35,19 +35,21 @@ std::vector<std::string> names_of(const Section<T>& section) {
   return names;
 }
 
-/// Refuses what a map may not hold, and what it must.
+/// Refuses what a map may not hold, and what it must; all of it at once.
 void check_names(const Entry& map, const std::vector<std::string>& allowed, const std::vector<std::string>& required);
 
 /// Reads a map into `object`. What is not in the map keeps its value.
-/// @throw ConfigError
+/// @throw ConfigError for all that is wrong in it
 template <typename T>
 void read_section(const Entry& map, const Section<T>& section, T& object) {
   std::vector<std::string> required;
   for (const Option<T>& option : section)
     if (option.fallback == kRequired) required.push_back(option.name);
-  check_names(map, names_of(section), required);
+  Problems problems;
+  problems.gather([&] { check_names(map, names_of(section), required); });
   for (const Option<T>& option : section)
-    if (const auto entry = map.find(option.name)) option.read(*entry, object);
+    if (const auto entry = map.find(option.name)) problems.gather([&] { option.read(*entry, object); });
+  problems.refuse_all();
 }
 
 template <typename T, typename V>
@@ -113,18 +115,21 @@ Option<T> section_option(const char* name, V T::*member, const Section<V>& secti
           [=](const Entry& entry, T& object) { read_section(entry, section, object.*member); }};
 }
 
-/// A list of maps with a section of their own, at most `most`. `check` sees each when it is read.
+/// A list of maps with a section of their own, at most `most`. `complete` sees each when it is read.
 template <typename T, typename V>
 Option<T> list_option(const char* name, std::vector<V> T::*member, const Section<V>& section, std::size_t most,
-                      void (*check)(const Entry&, const V&), const char* meaning) {
+                      void (*complete)(const Entry&, V&), const char* meaning) {
   const std::string rule = "a list of up to " + std::to_string(most) + " maps";
   return {name, "[]", rule + ", see below", meaning, [=](const Entry& entry, T& object) {
-            for (const Entry& item : entry.items(rule, most)) {
-              V value;
-              read_section(item, section, value);
-              check(item, value);
-              (object.*member).push_back(std::move(value));
-            }
+            Problems problems;
+            for (const Entry& item : entry.items(rule, most))
+              problems.gather([&] {
+                V value;
+                read_section(item, section, value);
+                complete(item, value);
+                (object.*member).push_back(std::move(value));
+              });
+            problems.refuse_all();
           }};
 }
 

@@ -13,7 +13,7 @@ const char* const kHead =
     "One YAML file describes one ring. An entry that is not listed here is refused, as is a value\n"
     "that is not allowed. Times are written with their unit (`ns`, `us`, `ms`, `s`), data rates\n"
     "as `10Mbit/s` (`bit/s`, `kbit/s`, `Mbit/s`, `Gbit/s`, also `10Mbps` or `10M`; a plain number\n"
-    "is bit/s). Numbers may be written `1e6` or `64k`. Angles are in rad.\n";
+    "is bit/s). Numbers may be written `1e6` or `64k`. Angles are in rad, lengths in m.\n";
 
 /// Bare code where it stands so in a file, plain words where it explains.
 std::string cell(const std::string& fallback) {

@@ -65,7 +65,8 @@ const Section<RecorderConfig>& recorder_section() {
 }
 
 RecorderSaves load_recorder_saves(const std::string& path, bool records) {
-  Document document{path, {}, {}, {}};
+  Document document;
+  document.name = path;
   const Entry file(parse_yaml(read_file(path), path), "", document);
   RecorderSaves saves;
   if (const auto recorder = file.find("recorder")) {

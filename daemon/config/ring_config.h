@@ -46,13 +46,25 @@ struct CpuConfig {
   nanoseconds jitter{0};         ///< ... and up to so much more, drawn for each turn
 };
 
+/// Units are rad, rad/s and N m where it turns, m, m/s and N where it slides.
 struct JointConfig {
   std::string name;
-  double lower = -3.14, upper = 3.14;  ///< rad
-  double velocity = 6.0;               ///< rad/s, limit
-  double effort = 50.0;                ///< N m, limit
-  double initial = 0.0;                ///< rad
+  /// revolute and continuous turn, the latter without end; prismatic slides.
+  enum class Type { revolute, continuous, prismatic } type = Type::revolute;
+  double lower = -3.14, upper = 3.14;  ///< position
+  double velocity = 6.0;               ///< limit, both ways
+  double effort = 50.0;                ///< limit, both ways
+  double initial = 0.0;                ///< position
   enum class Safe { hold, damp } safe = Safe::hold;
+  bool slides() const { return type == Type::prismatic; }
+};
+
+/// A joint without a motor, which the robot's description lets follow one of the ring: the bridge tells ROS where it
+/// is, and no node knows it.
+struct FollowerConfig {
+  std::string name;
+  std::string leader;  ///< a joint of the ring
+  double multiplier = 1, offset = 0;
 };
 
 struct SensorConfig {
@@ -236,6 +248,8 @@ struct RingConfig {
   RecorderConfig recorder;
   SupervisorConfig supervisor;
   std::vector<TrafficConfig> traffic;
+  std::vector<FollowerConfig> followers;  ///< the `urdf`'s mimic joints whose leader is in the ring
+  std::vector<std::string> warnings;      ///< what was assumed since the file does not say it, for people
 
   /// There is a second line.
   bool folds_back() const { return redundancy == Redundancy::foldback; }

@@ -7,23 +7,27 @@ namespace {
 
 const char* const kAllowedNodes = "a list of 2 to 255 nodes, in ring order";
 
-/// Ids and names of all nodes, before anything that may refer to them is read.
-void read_roster(const std::vector<Entry>& items) {
+void read_into_roster(const Entry& item) {
   const Option<NodeConfig>& id_option = node_section()[0];
   const Option<NodeConfig>& name_option = node_section()[1];
-  for (const Entry& item : items) {
-    check_names(item, names_of(node_section()), {"id"});
-    auto& nodes = item.document().nodes;
-    NodeConfig node;
-    id_option.read(*item.find("id"), node);
-    node.name = "node" + std::to_string(node.id);
-    const auto name = item.find("name");
-    if (name) name_option.read(*name, node);
-    if (!nodes.emplace(std::to_string(node.id), node.id).second)
-      item.find("id")->refuse_value("is another node's id", "ids 0 to 254, each once");
-    if (!nodes.emplace(node.name, node.id).second)
-      (name ? *name : item).refuse("'" + node.name + "' is another node's name", "each name once");
-  }
+  const auto id = item.find("id"), name = item.find("name");
+  if (!id) return check_names(item, names_of(node_section()), {"id"});
+  auto& nodes = item.document().nodes;
+  NodeConfig node;
+  id_option.read(*id, node);
+  node.name = "node" + std::to_string(node.id);
+  if (name) name_option.read(*name, node);
+  if (!nodes.emplace(std::to_string(node.id), node.id).second)
+    id->refuse_value("is another node's id", "ids 0 to 254, each once");
+  if (!nodes.emplace(node.name, node.id).second)
+    (name ? *name : item).refuse("'" + node.name + "' is another node's name", "each name once");
+}
+
+/// Ids and names of all nodes, before anything that may refer to them is read.
+void read_roster(const std::vector<Entry>& items) {
+  Problems problems;
+  for (const Entry& item : items) problems.gather([&] { read_into_roster(item); });
+  problems.refuse_all();
 }
 
 NodeConfig read_node_map(const Entry& item, const LinkConfig& links, const std::vector<HostConfig>& hosts) {
@@ -40,12 +44,16 @@ NodeConfig read_node_map(const Entry& item, const LinkConfig& links, const std::
 }
 
 void read_nodes(const Entry& entry, RingConfig& ring) {
+  entry.document().nodes_unsure = true;
   const std::vector<Entry> items = entry.items(kAllowedNodes, kMostNodes);
   if (items.size() < kFewestNodes)
     entry.refuse("a list of " + std::to_string(items.size()) + " is too short", kAllowedNodes);
   if (ring.links.port == 0) ring.links.port = default_first_port(ring.ring);
-  read_roster(items);
-  for (const Entry& item : items) ring.nodes.push_back(read_node_map(item, ring.links, ring.hosts));
+  Problems problems;
+  entry.document().nodes_unsure = !problems.gather([&] { read_roster(items); });
+  for (const Entry& item : items)
+    problems.gather([&] { ring.nodes.push_back(read_node_map(item, ring.links, ring.hosts)); });
+  problems.refuse_all();
 }
 
 /// Until 0.1.0 one entry stood for three waits.
@@ -76,9 +84,11 @@ const Section<RingConfig>& ring_section() {
       section_option("realtime", &RingConfig::realtime, realtime_section(),
                      "What the daemons ask of the kernel; where refused they say so and go on."),
       {"urdf", "none", "a path, from the folder of this file, or absolute, or package://PACKAGE/PATH",
-       "A URDF, from which the joints have their limits (`lower`, `upper`, `velocity`, `effort`), by their names. A "
-       "limit that is given here as well is as it is here. A joint that is continuous there, as of a wheel, turns from "
-       "-100 to 100 rad, where limb_firmware stops it.",
+       "A URDF, from which the joints have their `type` and limits (`lower`, `upper`, `velocity`, `effort`), by their "
+       "names. A limit that is given here as well is as it is here. A velocity or an effort that is 0 or missing there "
+       "is unknown: it has its default, and a warning names all such joints. A continuous joint, as of a wheel, needs "
+       "no limits; limb_firmware stops it at 2147 rad. A mimic joint has no motor and belongs to no node: joint_states "
+       "have it beside the joint that it follows.",
        [](const Entry& entry, RingConfig&) { read_urdf(entry); }},
       hosts_option(),
       section_option("recorder", &RingConfig::recorder, recorder_section(),

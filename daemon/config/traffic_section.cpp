@@ -8,7 +8,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMostStreams = 1000;
 constexpr TimeRange kPhases{0s, 60s, nanoseconds(1)};
 
-void check_traffic(const Entry& entry, const TrafficConfig& stream) {
+void check_traffic(const Entry& entry, TrafficConfig& stream) {
   if ((stream.size != 0) == stream.interrupt.has_value())
     entry.refuse(stream.interrupt ? "size and interrupt are both given" : "neither size nor interrupt is given",
                  "one of them: a message or an interrupt");

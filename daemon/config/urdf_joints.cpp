@@ -2,12 +2,45 @@
 
 #include <tinyxml2.h>
 
+#include <set>
+
 #include "config/config_error.h"
+#include "config/quantity.h"
 
 namespace limb_ring::config {
 namespace {
 
 using tinyxml2::XMLElement;
+
+/// What else robots are described in, by the root element, and what makes a URDF of it.
+std::string other_format(const std::string& root) {
+  if (root == "sdf")
+    return "is an SDF, Gazebo's format, not a URDF. 'rosrun pysdf sdf2urdf.py FILE.sdf robot.urdf' (package pysdf) "
+           "converts it; most robots are also published as URDF";
+  if (root == "mujoco") return "is a MuJoCo model (MJCF), not a URDF; most robots are also published as URDF";
+  if (root == "COLLADA")
+    return "is a COLLADA file, not a URDF. 'rosrun collada_urdf collada_to_urdf FILE.dae' (package collada_urdf) "
+           "converts it";
+  if (root == "launch")
+    return "is a launch file, not a URDF. 'rosparam get /robot_description > robot.urdf' saves the URDF it loads";
+  return "is no URDF: its root is <" + root + ">; allowed: <robot>";
+}
+
+bool is_unexpanded(const std::string& text) {
+  return text.find("${") != std::string::npos || text.find("$(") != std::string::npos;
+}
+
+/// The first element that xacro would replace; nullptr: there is none. Some URDFs still call macros that nobody
+/// defines, of old Gazebo plug-ins.
+const XMLElement* xacro_in(const XMLElement& root) {
+  static const std::set<std::string> kinds{"xacro:include", "xacro:macro",  "xacro:property", "xacro:arg",
+                                           "xacro:if",      "xacro:unless", "include",        "macro"};
+  for (const XMLElement* part = root.FirstChildElement(); part; part = part->NextSiblingElement()) {
+    if (kinds.count(part->Name()) != 0) return part;
+    if (const char* name = part->Attribute("name"); name && is_unexpanded(name)) return part;
+  }
+  return nullptr;
+}
 
 class UrdfReader {
  public:
@@ -19,10 +52,16 @@ class UrdfReader {
       refuse(xml.ErrorLineNum(), std::string("is not XML: ") + xml.ErrorName());
     const XMLElement* root = xml.RootElement();
     if (!root) refuse(1, "holds no XML element; allowed: <robot>");
-    if (root->Name() != std::string("robot"))
-      refuse(root->GetLineNum(), std::string("is no URDF: its root is <") + root->Name() + ">; allowed: <robot>");
+    if (root->Name() != std::string("robot")) refuse(root->GetLineNum(), other_format(root->Name()));
+    if (const XMLElement* part = xacro_in(*root))
+      refuse(part->GetLineNum(), std::string("is a xacro file, which is not expanded yet: <") + part->Name() +
+                                     ">. 'xacro FILE.xacro > robot.urdf' makes a URDF of it");
+    urdf_.robot = text_of(root->Attribute("name"));
     for (const XMLElement* joint = root->FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
-      take(*joint);
+      problems_.gather([&] { take(*joint); });
+    for (const auto& [name, joint] : urdf_.joints)
+      if (joint.mimic) problems_.gather([&, &name = name, &joint = joint] { check_mimic(name, joint); });
+    problems_.refuse_all();
   }
 
  private:
@@ -32,25 +71,66 @@ class UrdfReader {
     UrdfJoint joint;
     joint.line = element.GetLineNum();
     joint.type = text_of(element.Attribute("type"));
+    joint.parent = link_of(element, "parent");
+    joint.child = link_of(element, "child");
     if (const XMLElement* limit = element.FirstChildElement("limit")) {
       joint.has_limit = true;
       for (const auto* one = limit->FirstAttribute(); one; one = one->Next()) joint.limit[one->Name()] = one->Value();
     }
+    if (const XMLElement* mimic = element.FirstChildElement("mimic"); mimic && joint.moves())
+      joint.mimic = {text_of(mimic->Attribute("joint")), number(*mimic, "multiplier", 1), number(*mimic, "offset", 0)};
     if (!urdf_.joints.emplace(name, joint).second)
       refuse(joint.line,
              "joint '" + name + "' is there twice, first in line " + std::to_string(urdf_.joints[name].line));
+    urdf_.order.push_back(name);
+  }
+
+  double number(const XMLElement& element, const char* name, double fallback) const {
+    const char* written = element.Attribute(name);
+    if (!written) return fallback;
+    const auto value = parse_real(written);
+    if (!value)
+      refuse(element.GetLineNum(),
+             std::string(name) + "=\"" + written + "\" of a <mimic> is not a number; allowed: such as -0.5");
+    return *value;
+  }
+
+  /// At the end of the chain of joints that it follows is one with a motor.
+  void check_mimic(const std::string& name, const UrdfJoint& joint) const {
+    const UrdfJoint* leader = &joint;
+    for (std::size_t steps = 0; leader->mimic; ++steps) {
+      const auto found = urdf_.joints.find(leader->mimic->joint);
+      if (found == urdf_.joints.end() || !found->second.moves())
+        refuse(joint.line, "joint '" + name + "' mimics '" + leader->mimic->joint +
+                               "', which is no joint that moves; allowed: the name of one");
+      if (steps == urdf_.joints.size())
+        refuse(joint.line, "joint '" + name + "' mimics itself by way of others; allowed: a joint with a motor");
+      leader = &found->second;
+    }
   }
 
   static std::string text_of(const char* attribute) { return attribute ? attribute : ""; }
+  static std::string link_of(const XMLElement& joint, const char* end) {
+    const XMLElement* link = joint.FirstChildElement(end);
+    return link ? text_of(link->Attribute("link")) : "";
+  }
 
   [[noreturn]] void refuse(int line, const std::string& problem) const {
     throw ConfigError(urdf_.path + ':' + std::to_string(line) + ": " + problem);
   }
 
   UrdfJoints& urdf_;
+  Problems problems_;
 };
 
 }  // namespace
+
+UrdfJoint::Mimic UrdfJoints::leader_of(const std::string& joint) const {
+  UrdfJoint::Mimic all = *joints.at(joint).mimic;
+  while (const auto& next = joints.at(all.joint).mimic)
+    all = {next->joint, all.multiplier * next->multiplier, all.multiplier * next->offset + all.offset};
+  return all;
+}
 
 UrdfJoints parse_urdf(const std::string& text, const std::string& path) {
   UrdfJoints urdf;

@@ -98,6 +98,7 @@ std::uint8_t read_node(const Entry& entry, const std::string& also) {
   const std::string text = entry.text(rule);
   const auto found = nodes.find(text);
   if (found != nodes.end()) return found->second;
+  if (entry.document().nodes_unsure) throw ConfigError("");
   const std::string meant = closest(text, names);
   entry.refuse_value(meant.empty() ? "is no node of it" : "is no node of it, did you mean '" + meant + "'?", rule);
 }

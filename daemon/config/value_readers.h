@@ -17,7 +17,9 @@ struct RealRange {
   double least, most;
   const char* unit;
 };
-constexpr RealRange kAngleRange{-100, 100, "rad"};  ///< of a joint
+/// Of a joint, as far as packets carry it (payload/joint_state.h).
+constexpr RealRange kPositions{-2147, 2147, "rad or m"}, kVelocities{0.001, 2147, "rad/s or m/s"},
+    kEfforts{0.001, 2147, "N m or N"};
 struct TimeRange {
   std::chrono::nanoseconds least, most;
   std::chrono::nanoseconds grain;  ///< whole multiples of this

@@ -3,6 +3,8 @@
 namespace limb_ring::firmware {
 namespace {
 
+constexpr double kSlidingMass = 5;  // kg
+
 ServoModel model_of(const config::JointConfig& joint, const config::Firmware& firmware) {
   ServoModel model;
   model.bandwidth = firmware.bandwidth;
@@ -12,6 +14,7 @@ ServoModel model_of(const config::JointConfig& joint, const config::Firmware& fi
   model.velocity = joint.velocity;
   model.effort = joint.effort;
   model.initial = joint.initial;
+  if (joint.slides()) model.inertia = kSlidingMass;
   return model;
 }
 
@@ -26,6 +29,7 @@ Joint::Joint(const config::JointConfig& joint, const config::Firmware& firmware,
     : servo_(model_of(joint, firmware)),
       safe_(safe_state(joint)),
       state_(safe_),
+      slides_(joint.slides()),
       command_timeout_(command_timeout),
       now_(now) {
   go_safe();

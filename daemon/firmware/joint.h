@@ -27,6 +27,7 @@ class Joint {
 
   State state() const { return state_; }
   const Servo& servo() const { return servo_; }
+  bool slides() const { return slides_; }
 
  private:
   void step_to(nanoseconds time);
@@ -34,6 +35,7 @@ class Joint {
   Servo servo_;
   State safe_;
   State state_;
+  bool slides_;
   nanoseconds command_timeout_;
   nanoseconds now_;
   nanoseconds commanded_until_{0};

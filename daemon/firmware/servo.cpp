@@ -7,7 +7,6 @@ namespace limb_ring::firmware {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kInertia = 0.1;      // kg m^2, of every joint: a forearm's, roughly
 constexpr double kSubstep = 0.0005;   // s
 constexpr double kLongestStep = 1.0;  // s
 
@@ -38,7 +37,7 @@ void Servo::step(double seconds) {
 
 /// Implicit in position and velocity, hence stable for every stiffness, damping and step.
 double Servo::unlimited_velocity(double h) const {
-  double push = target_.effort.value_or(0) / kInertia;
+  double push = target_.effort.value_or(0) / model_.inertia;
   double stiffness = 0;
   if (target_.position) {
     stiffness = stiffness_;
@@ -51,8 +50,8 @@ double Servo::unlimited_velocity(double h) const {
 void Servo::substep(double h) {
   const double wanted = unlimited_velocity(h);
   if (controlled()) {
-    effort_ = cut((wanted - velocity_) / h * kInertia, model_.effort);
-    velocity_ += effort_ / kInertia * h;
+    effort_ = cut((wanted - velocity_) / h * model_.inertia, model_.effort);
+    velocity_ += effort_ / model_.inertia * h;
   } else {
     effort_ = target_.effort.value_or(0);
     velocity_ = wanted;

@@ -12,7 +12,8 @@ namespace limb_ring::firmware {
 ///   torque:   effort only: the motor gives that torque, against viscous friction 2 z w inertia
 ///   released: no torque; friction lets the velocity decay
 ///
-/// The torque is limited, then the speed, then the position: at its stop a joint stands still.
+/// The torque is limited, then the speed, then the position: at its stop a joint stands still. A joint that slides is
+/// the same with a mass and forces, in m, m/s and N.
 struct ServoModel {
   double bandwidth = 8.0;              ///< Hz, natural frequency w / 2 pi
   double damping = 0.9;                ///< damping ratio z
@@ -20,6 +21,7 @@ struct ServoModel {
   double velocity = 6.0;               ///< rad/s, limit both ways
   double effort = 50.0;                ///< N m, limit both ways
   double initial = 0.0;                ///< rad
+  double inertia = 0.1;                ///< kg m^2: a forearm's, roughly; of what slides kg
 };
 
 /// What a servo is to do. An empty one means nothing (see Servo::release()).

@@ -11,6 +11,7 @@ constexpr double kLever = 0.4;        // m
 void fill_imu(payload::SensorReading& reading, const Limb& limb) {
   double pitch = 0, rate = 0;
   for (const auto& joint : limb.joints()) {
+    if (joint.slides()) continue;
     pitch += joint.servo().position();
     rate += joint.servo().velocity();
   }
@@ -20,10 +21,11 @@ void fill_imu(payload::SensorReading& reading, const Limb& limb) {
 }
 
 void fill_force(payload::SensorReading& reading, const Limb& limb) {
-  const double torque = limb.joints().empty() ? 0 : limb.joints().back().servo().effort();
+  const bool slides = !limb.joints().empty() && limb.joints().back().slides();
+  const double effort = limb.joints().empty() ? 0 : limb.joints().back().servo().effort();
   reading.kind = payload::SensorReading::Kind::force;
-  reading.linear = {0, 0, torque / kLever};
-  reading.angular = {0, torque, 0};
+  reading.linear = {0, 0, slides ? effort : effort / kLever};
+  reading.angular = {0, slides ? 0 : effort, 0};
 }
 
 }  // namespace

@@ -13,8 +13,9 @@ namespace limb_ring::firmware {
 /// moving when they move. Not a model of the body's dynamics.
 ///
 ///   imu:    gravity seen from a link pitched by the sum of the joints' angles, and their summed
-///           velocity as turn rate about y
-///   force:  the torque of the last joint about y, and its force over a lever of 0.4 m along z
+///           velocity as turn rate about y; joints that slide do not pitch it
+///   force:  the torque of the last joint about y, and its force over a lever of 0.4 m along z; of one that slides its
+///           force alone
 class SimulatedSensor {
  public:
   SimulatedSensor(const config::SensorConfig& sensor, std::uint8_t index, nanoseconds start);

@@ -109,22 +109,25 @@ std::uint64_t rate_of(const Entry& entry, World world) {
 /// Errors that no single entry shows: unknown sends, lines and inputs that the ring has not, times that run backwards.
 void check_scenario(const Entry& file, const Scenario& scenario) {
   const std::vector<std::string> names = send_names(scenario);
-  if (names.size() > kMostNames) file.refuse("it has too many sends", std::to_string(kMostNames) + " names");
+  config::Problems problems;
+  if (names.size() > kMostNames) file.note(problems, "it has too many sends", std::to_string(kMostNames) + " names");
   for (const char* list : {"always", "never"})
     if (const auto conditions = file.find(list))
-      for (const Entry& condition : conditions->items("")) check_condition(condition, names);
+      for (const Entry& condition : conditions->items("")) problems.gather([&] { check_condition(condition, names); });
   nanoseconds latest{0};
   const std::vector<Entry> steps = file.find("steps")->items("");
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (const auto when = steps[i].find("when")) check_condition(*when, names);
-    check_line(steps[i], scenario.steps[i], scenario.ring);
-    check_input(steps[i], scenario.steps[i], scenario.ring);
-    check_world(steps[i], scenario.steps[i], scenario.world);
-    if (!scenario.steps[i].at) continue;
-    if (*scenario.steps[i].at < latest)
-      steps[i].find("at")->refuse_value("is before an earlier step", "times in order");
-    latest = *scenario.steps[i].at;
+    const Step& step = scenario.steps[i];
+    if (const auto when = steps[i].find("when")) problems.gather([&] { check_condition(*when, names); });
+    problems.gather([&] { check_line(steps[i], step, scenario.ring); });
+    problems.gather([&] { check_input(steps[i], step, scenario.ring); });
+    problems.gather([&] { check_world(steps[i], step, scenario.world); });
+    if (!step.at) continue;
+    if (*step.at < latest)
+      problems.gather([&] { steps[i].find("at")->refuse_value("is before an earlier step", "times in order"); });
+    latest = *step.at;
   }
+  problems.refuse_all();
 }
 
 /// The file of a ring, taken for a scenario: its nodes are a list, or what it says is only said of rings.
@@ -145,25 +148,37 @@ bool expects_something(const Scenario& scenario) {
 
 bool lasts(const Scenario& scenario) { return scenario.world == World::soak || !scenario.steps.empty(); }
 
-Scenario parse_scenario(const std::string& text, const std::string& name) {
-  config::Document document{name, {}, {}, {}};
-  const Entry file(config::parse_yaml(text, name), "", document);
-  refuse_ring(file);
-  check_names(file, names_of(scenario_section()), {});
-  Scenario scenario;
-  scenario.path = name;
+namespace {
+
+/// The ring, and what its lines are, before anything that may refer to them is read.
+void read_ring(const Entry& file, Scenario& scenario) {
   scenario.ring = ring_of(file);
   if (const auto world = file.find("world")) scenario.world = read_world(*world);
   if (scenario.world == World::soak && file.find("ring"))
     file.find("ring")->refuse("the soak's world has plain nodes", "nodes instead");
-  learn_nodes(document, scenario.ring);
+  learn_nodes(file.document(), scenario.ring);
   std::uint64_t rate = sim::kUsualRate;
   nanoseconds delay = sim::kUsualRelayDelay;
   if (const auto entry = file.find("rate")) rate = rate_of(*entry, scenario.world);
   if (const auto entry = file.find("relay_delay")) delay = read_relay_delay(*entry);
   scenario.rates_assumed = sim::assumes_lines(scenario.ring);
   scenario.ring = sim::with_assumed_lines(std::move(scenario.ring), rate, delay);
-  read_section(file, scenario_section(), scenario);
+}
+
+}  // namespace
+
+Scenario parse_scenario(const std::string& text, const std::string& name) {
+  config::Document document;
+  document.name = name;
+  const Entry file(config::parse_yaml(text, name), "", document);
+  refuse_ring(file);
+  Scenario scenario;
+  scenario.path = name;
+  config::Problems problems;
+  problems.gather([&] { check_names(file, names_of(scenario_section()), {}); });
+  if (problems.gather([&] { read_ring(file, scenario); }))
+    problems.gather([&] { read_section(file, scenario_section(), scenario); });
+  problems.refuse_all();
   check_scenario(file, scenario);
   return scenario;
 }

@@ -8,8 +8,8 @@
 namespace limb_ring::scenario {
 
 /// Reads the YAML file of one scenario; docs/reference/scenarios.md lists what may stand in it.
-/// @throw config::ConfigError for the first thing that is wrong, with file, line and what is allowed; also for
-///        the ring's file
+/// @throw config::ConfigError for all that is wrong, a line each, with file, line and what is allowed; also for the
+///        ring's file
 Scenario load_scenario(const std::string& path);
 
 /// The same for YAML in memory. `name` stands for the file, also where a ring's file is looked for beside it.

@@ -33,8 +33,10 @@ std::string read_title(const Entry& entry) {
 
 Option<Scenario> conditions_option(const char* name, std::vector<Condition> Scenario::*member, const char* meaning) {
   return {name, "[]", "a list of conditions", meaning, [=](const Entry& entry, Scenario& scenario) {
+            config::Problems problems;
             for (const Entry& item : entry.items("a list of conditions", kMostSteps))
-              (scenario.*member).push_back(read_condition(item));
+              problems.gather([&] { (scenario.*member).push_back(read_condition(item)); });
+            problems.refuse_all();
           }};
 }
 
@@ -128,12 +130,15 @@ const Section<Scenario>& scenario_section() {
        }},
       {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",
        [](const Entry& entry, Scenario& scenario) {
-         for (const Entry& item : entry.items("a list of steps", kMostSteps)) {
-           Step step;
-           read_section(item, step_section(), step);
-           check_step(item, step);
-           scenario.steps.push_back(std::move(step));
-         }
+         config::Problems problems;
+         for (const Entry& item : entry.items("a list of steps", kMostSteps))
+           problems.gather([&] {
+             Step step;
+             read_section(item, step_section(), step);
+             check_step(item, step);
+             scenario.steps.push_back(std::move(step));
+           });
+         problems.refuse_all();
        }},
       conditions_option("always", &Scenario::always, "Holds at every moment."),
       conditions_option("never", &Scenario::never, "Holds at no moment."),

@@ -35,7 +35,7 @@ std::string line_text(const NodeConfig& node) {
 
 std::string joints_text(const NodeConfig& node) {
   std::string text;
-  for (const JointConfig& joint : node.joints) text += " joint " + joint.name;
+  for (const JointConfig& joint : node.joints) text += (joint.slides() ? " slide " : " joint ") + joint.name;
   for (const SensorConfig& sensor : node.sensors)
     text += (sensor.kind == SensorConfig::Kind::imu ? " imu " : " force ") + sensor.name;
   return text;

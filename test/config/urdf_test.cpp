@@ -70,9 +70,95 @@ TEST_F(Urdf, GivesWayToALimitInTheRingsFile) {
 }
 
 TEST_F(Urdf, SaysThatAContinuousJointHasNoLimitsOfItsAngle) {
-  const JointConfig joint = this->joint(knee("continuous", "<limit velocity='7' effort='90'/>"));
-  EXPECT_EQ(joint.lower, -100);
-  EXPECT_EQ(joint.upper, 100);
+  for (const char* limit :
+       {"<limit velocity='7' effort='90'/>", "<limit lower='-1' upper='1' velocity='7' effort='90'/>"}) {
+    const JointConfig joint = this->joint(knee("continuous", limit));
+    EXPECT_EQ(joint.type, JointConfig::Type::continuous);
+    EXPECT_EQ(joint.lower, -2147);
+    EXPECT_EQ(joint.upper, 2147);
+  }
+  EXPECT_EQ(load(ring_of()).warnings.size(), 0u);
+}
+
+TEST_F(Urdf, HasJointsThatSlide) {
+  const JointConfig lift = joint(knee("prismatic", "<limit lower='0.1' upper='0.35' velocity='0.07' effort='2000'/>"));
+  EXPECT_TRUE(lift.slides());
+  EXPECT_EQ(lift.upper, 0.35);
+  EXPECT_EQ(lift.velocity, 0.07);
+  EXPECT_EQ(lift.initial, 0.1);
+  EXPECT_EQ(joint(knee("prismatic", ""), "").upper, 1) << "as if the ring's file had said so";
+  EXPECT_THAT(refusal(knee("prismatic", ""), ring_of(", type: revolute")),
+              HasSubstr("'revolute' is another type than in"));
+}
+
+TEST_F(Urdf, StartsAJointAsNearToZeroAsItMay) {
+  EXPECT_EQ(joint(knee("revolute", "<limit lower='1' upper='2' velocity='1' effort='9'/>")).initial, 1);
+  EXPECT_EQ(joint(knee("revolute", "<limit lower='-2' upper='-1' velocity='1' effort='9'/>")).initial, -1);
+  EXPECT_EQ(joint(knee("revolute", "<limit lower='-2' upper='1' velocity='1' effort='9'/>")).initial, 0);
+}
+
+TEST_F(Urdf, ThatLeavesLimitsOpenIsTakenWithOneWarningThatNamesTheJoints) {
+  write(
+      robot("<joint name='a' type='revolute'><limit lower='-1' upper='1' velocity='0' effort='0'/></joint>\n"
+            "<joint name='b' type='prismatic'><limit lower='-1' upper='1' velocity='2'/></joint>\n"
+            "<joint name='c' type='continuous'/>\n<joint name='d' type='revolute'/>\n"
+            "<joint name='e' type='revolute'><limit lower='-9e9' upper='1' velocity='1' effort='1e9'/></joint>\n"
+            "<joint name='f' type='revolute'><limit lower='2' upper='2' velocity='1' effort='1'/></joint>\n"));
+  const RingConfig ring = load(
+      "ring: r\nurdf: robot.urdf\nnodes:\n  - {id: 0, cpu: attached, joints: [{name: a}, {name: b}, {name: c}, {name: "
+      "d, "
+      "effort: 3}, {name: e}, {name: f}]}\n  - {id: 1}\n");
+  ASSERT_EQ(ring.warnings.size(), 1u);
+  EXPECT_EQ(
+      ring.warnings[0],
+      folder_ +
+          "/robot.urdf does not give effort (taken as 50 N m, or 500 N) of a, b, c; values that fit into packets "
+          "(taken as 2147) for e.lower, e.effort; lower and upper (taken as 3.14 rad, or 1 m both ways) of d; any "
+          "motion, since lower is upper, of f; velocity (taken as 6 rad/s, or 1 m/s) of a, c, d. Give it there, or "
+          "with the joint in the ring's file");
+  const auto& joints = ring.nodes[0].joints;
+  EXPECT_EQ(joints[0].effort, 50);
+  EXPECT_EQ(joints[1].effort, 500);
+  EXPECT_EQ(joints[3].lower, -3.14);
+  EXPECT_EQ(joints[4].lower, -2147);
+  EXPECT_EQ(joints[5].initial, 2);
+}
+
+constexpr const char* kHand =
+    "<joint name='knee' type='prismatic'><limit lower='0' upper='0.04' velocity='0.2' effort='20'/></joint>\n"
+    "<joint name='left' type='prismatic'><mimic joint='knee' multiplier='-1' offset='0.5'/></joint>\n"
+    "<joint name='tip' type='revolute'><mimic joint='left' multiplier='2' offset='1'/></joint>\n"
+    "<joint name='other' type='revolute'/>\n"
+    "<joint name='toe' type='revolute'><mimic joint='other'/></joint>\n";
+
+TEST_F(Urdf, LetsMimicJointsFollowThoseOfTheRing) {
+  write(robot(kHand));
+  const RingConfig ring = load(ring_of());
+  ASSERT_EQ(ring.followers.size(), 2u) << "toe follows a joint that is not in the ring";
+  EXPECT_EQ(ring.followers[0].name, "left");
+  EXPECT_EQ(ring.followers[1].leader, "knee");
+  EXPECT_EQ(ring.followers[1].multiplier, -2);
+  EXPECT_EQ(ring.followers[1].offset, 2);
+  std::string mimic = ring_of();
+  mimic.replace(mimic.find("knee"), 4, "left");
+  EXPECT_THAT(refusal(robot(kHand), mimic), AllOf(HasSubstr("joint 'left' has no motor: it mimics 'knee' in "),
+                                                  HasSubstr("robot.urdf:3; allowed: to leave it out")));
+  EXPECT_THAT(refusal(robot("<joint name='a' type='revolute'><mimic joint='b'/></joint>\n"
+                            "<joint name='b' type='revolute'><mimic joint='a'/></joint>\n"
+                            "<joint name='c' type='revolute'><mimic joint='d' multiplier='x'/></joint>\n"
+                            "<joint name='e' type='revolute'><mimic joint='f'/></joint>\n")),
+              AllOf(HasSubstr("joint 'a' mimics itself"), HasSubstr("\"x\" of a <mimic> is not a number"),
+                    HasSubstr("joint 'e' mimics 'f', which is no joint that moves")));
+}
+
+TEST_F(Urdf, MayNameItsJointsAsRosDoes) {
+  for (const std::string name : {"8", "left/knee", "_roll", "/arm/a.1-b"}) {
+    std::string ring = ring_of();
+    ring.replace(ring.find("knee"), 4, name);
+    write(robot("<joint name='" + name +
+                "' type='revolute'><limit lower='-1' upper='1' velocity='1' effort='1'/></joint>\n"));
+    EXPECT_EQ(load(ring).nodes[0].joints[0].name, name);
+  }
 }
 
 TEST_F(Urdf, OfTheHumanoidGivesWhatItsRingSays) {
@@ -120,11 +206,24 @@ TEST_F(Urdf, IsNotThereOrNoUrdf) {
                                            EndsWith("allowed: a URDF: its path from the folder of this file, or "
                                                     "absolute, or package://PACKAGE/PATH")));
   EXPECT_THAT(refusal("<robot>\n<joint>\n"), StartsWith(place + ":2: is not XML: XML_ERROR_"));
-  EXPECT_THAT(refusal("<sdf/>"), StartsWith(place + ":1: is no URDF: its root is <sdf>; allowed: <robot>"));
+  EXPECT_THAT(refusal("<gazebo/>"), StartsWith(place + ":1: is no URDF: its root is <gazebo>; allowed: <robot>"));
   EXPECT_THAT(refusal(""), HasSubstr("is not XML: XML_ERROR_EMPTY_DOCUMENT"));
   EXPECT_THAT(refusal(robot("<joint type='fixed'/>\n")), StartsWith(place + ":2: a joint has no name"));
   EXPECT_THAT(refusal(robot("<joint name='a' type='fixed'/>\n<joint name='a' type='fixed'/>\n")),
               StartsWith(place + ":3: joint 'a' is there twice, first in line 2"));
+  EXPECT_THAT(refusal(robot("<joint type='fixed'/>\n<joint name='a' type='fixed'/>\n<joint name='a' type='fixed'/>\n")),
+              AllOf(HasSubstr(":2: a joint has no name"), HasSubstr(":4: joint 'a' is there twice")));
+}
+
+TEST_F(Urdf, ThatIsSomethingElseIsNamedWithTheCommandThatHelps) {
+  EXPECT_THAT(refusal("<sdf/>"), HasSubstr("robot.urdf:1: is an SDF, Gazebo's format, not a URDF. 'rosrun pysdf"));
+  EXPECT_THAT(refusal("<mujoco/>"), HasSubstr("is a MuJoCo model"));
+  EXPECT_THAT(refusal("<launch/>"), HasSubstr("'rosparam get /robot_description > robot.urdf'"));
+  EXPECT_THAT(refusal("<COLLADA/>"), HasSubstr("'rosrun collada_urdf collada_to_urdf"));
+  for (const char* part : {"<xacro:property name='a' value='1'/>", "<joint name='${side}_knee' type='revolute'/>"})
+    EXPECT_THAT(refusal(robot(part)), HasSubstr("robot.urdf:2: is a xacro file, which is not expanded yet: "));
+  write(robot("<xacro:old_plugin/>\n<joint name='knee' type='revolute'/>\n"));
+  EXPECT_EQ(load(ring_of()).nodes[0].joints.size(), 1u) << "a macro that nobody has expanded, and nobody needs";
 }
 
 TEST_F(Urdf, HasNoSuchJoint) {
@@ -134,27 +233,24 @@ TEST_F(Urdf, HasNoSuchJoint) {
                               "'knee' in " +
                               folder_ + "/robot.urdf, did you mean 'knees'?"),
                     EndsWith("allowed: knees")));
-  EXPECT_THAT(refusal(robot("")), HasSubstr("none is revolute or continuous"));
+  EXPECT_THAT(refusal(robot("")), HasSubstr("none is revolute, continuous or prismatic"));
 }
 
 TEST_F(Urdf, HasAJointThatDoesNotTurn) {
-  for (const char* type : {"fixed", "prismatic", "floating", "planar"})
-    EXPECT_THAT(refusal(knee(type, "")), HasSubstr(std::string("joint 'knee' is ") + type + " in " + folder_ +
-                                                   "/robot.urdf:2; allowed: a joint that is revolute or continuous"));
+  for (const char* type : {"fixed", "floating", "planar"})
+    EXPECT_THAT(refusal(knee(type, "")),
+                HasSubstr(std::string("joint 'knee' is ") + type + " in " + folder_ +
+                          "/robot.urdf:2; allowed: a joint that is revolute, continuous or prismatic"));
 }
 
-TEST_F(Urdf, HasALimitThatIsMissingOrWrong) {
-  EXPECT_THAT(refusal(knee("revolute", "")), HasSubstr("entry 'nodes[0].joints[0]': joint 'knee' has no lower in "));
-  EXPECT_THAT(refusal(knee("continuous", "")), HasSubstr("joint 'knee' has no velocity in "));
-  EXPECT_THAT(refusal(knee("revolute", "<limit upper='1' velocity='0' effort='9'/>")),
-              HasSubstr("joint 'knee' has velocity=\"0\" in " + folder_ +
-                        "/robot.urdf:2; allowed: a number, 0.001 to 1000 rad/s, there or as 'velocity' here"));
+TEST_F(Urdf, HasALimitThatIsWrong) {
+  EXPECT_THAT(refusal(knee("revolute", "<limit lower='-1' upper='1' velocity='fast' effort='9'/>")),
+              HasSubstr("entry 'nodes[0].joints[0]': joint 'knee' has velocity=\"fast\" in " + folder_ +
+                        "/robot.urdf:2; allowed: a number, there or as 'velocity' here"));
   EXPECT_THAT(refusal(knee("revolute", "<limit lower='${-pi}' upper='1' velocity='1' effort='9'/>")),
               HasSubstr("has lower=\"${-pi}\" in "));
-  EXPECT_THAT(refusal(knee("revolute", "<limit velocity='1' effort='9'/>")),
-              HasSubstr("joint 'knee' has the limits 0 to 0 rad"));
-  EXPECT_THAT(refusal(knee("revolute", "<limit lower='1' upper='2' velocity='1' effort='9'/>")),
-              HasSubstr("joint 'knee' has initial 0, outside its limits; allowed: 1 to 2 rad"));
+  EXPECT_THAT(refusal(knee("revolute", "<limit lower='1' velocity='1' effort='9'/>")),
+              HasSubstr("joint 'knee' has the limits 1 to 0 rad"));
 }
 
 }  // namespace

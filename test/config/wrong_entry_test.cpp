@@ -16,6 +16,32 @@ TEST(WrongEntry, IsNamedWithFilePlaceValueAndWhatIsAllowed) {
                  "such as 100ms, 1ms to 60s"));
 }
 
+TEST(WrongEntry, IsNotTheOnlyOneAndAllAreNamedAtOnce) {
+  const std::string text =
+      "ring: two words\ncolour: red\ntimeouts: {send: 12 parsec, idel: 1s}\n"
+      "nodes:\n  - {id: 0, name: all, joints: [{name: a, lower: low}, {name: a, safe: float}]}\n"
+      "  - {name: b}\n  - {id: 0, cpu: some}\n"
+      "supervisor: {node: b}\ntraffic: [{name: s, from: c, to: all, size: 0, rate: 1}]\n";
+  const std::string all = refusal_of(text);
+  for (const char* problem :
+       {"ring.yaml:1:7: entry 'ring'", "ring.yaml:2:1: entry 'colour'", "entry 'timeouts.send'",
+        "entry 'timeouts.idel'", "entry 'nodes[0].name'", "'nodes[0].joints[0].lower'", "'nodes[0].joints[1].safe'",
+        "entry 'nodes[1]': 'id' is missing", "'nodes[2].cpu'", "entry 'traffic[0].size'"})
+    EXPECT_THAT(all, HasSubstr(problem));
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 9) << all;
+  EXPECT_THAT(all, ::testing::Not(HasSubstr("supervisor.node"))) << "nobody knows all nodes";
+  EXPECT_THAT(refusal_of(two_nodes("bridge: {topics: [{input: a, from: 0, to: 1}, {input: a, from: 0, to: 1}]}\n"
+                                   "timeouts: {idle: 1s}\n")),
+              AllOf(HasSubstr("entry 'timeouts.idle'"), HasSubstr("entry 'bridge.topics[1]'")));
+}
+
+TEST(WrongEntry, IsOneOfSoManyThatNotAllAreNamed) {
+  std::string text;
+  for (int i = 0; i < 100; ++i) text += "unknown" + std::to_string(i) + ": 1\n";
+  EXPECT_THAT(refusal_of(two_nodes(text)),
+              AllOf(HasSubstr("unknown48"), ::testing::EndsWith("\nThere are more problems than these.")));
+}
+
 TEST(WrongEntry, UnknownAtTheTop) {
   EXPECT_THAT(
       refusal_of(two_nodes("timeout: {}\n")),

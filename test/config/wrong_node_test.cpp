@@ -80,12 +80,14 @@ TEST(WrongNodes, Joints) {
               HasSubstr("'nodes[1].joints[0]': 'name' is missing"));
   EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: 1, upper: 1}]\n")),
               HasSubstr("joint 'a' has the limits 1 to 1 rad; allowed: lower less than upper"));
-  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: 1, upper: 2}]\n")),
+  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: 1, upper: 2, initial: 0}]\n")),
               HasSubstr("joint 'a' has initial 0, outside its limits; allowed: 1 to 2 rad"));
+  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, type: prismatic, initial: 1.5}]\n")),
+              HasSubstr("joint 'a' has initial 1.5, outside its limits; allowed: -1 to 1 m"));
   EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, safe: float}]\n")),
               HasSubstr("'nodes[1].joints[0].safe': 'float' is unknown; allowed: hold, damp"));
   EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: low}]\n")),
-              HasSubstr("'low' is not a number; allowed: a number, -100 to 100 rad"));
+              HasSubstr("'low' is not a number; allowed: a number, -2147 to 2147 rad or m"));
 }
 
 TEST(WrongNodes, JointsOrSensorsOfOneName) {

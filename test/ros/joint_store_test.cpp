@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "ros/small_robot.h"
+#include "ros_bridge/joint_map.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -51,6 +52,20 @@ TEST_F(Joints, AreSilentUntilTheirNodeSpeaks) {
   take(kHip, 0, 100, {1, 2});
   EXPECT_THAT(fresh(), ElementsAre("hip_pitch", "hip_roll"));
   EXPECT_THAT(store.snapshot(now).silent, ElementsAre("knee_pitch"));
+}
+
+TEST_F(Joints, WithoutAMotorFollowTheirLeader) {
+  auto ring = small_robot();
+  ring.followers = {{"toe", "knee_pitch", -2, 0.5}};
+  store = JointStore(ring);
+  EXPECT_THAT(store.snapshot(now).silent, ElementsAre("knee_pitch", "hip_pitch", "hip_roll", "toe"));
+  take(kKnee, 0, 100, {3});
+  EXPECT_THAT(fresh(), ElementsAre("knee_pitch", "toe"));
+  EXPECT_EQ(store.snapshot(now).fresh[1].state.position, -5.5);
+  const JointMap map(ring);
+  EXPECT_FALSE(map.find("toe"));
+  EXPECT_EQ(map.leader_of("toe"), "knee_pitch");
+  EXPECT_EQ(map.leader_of("hip_roll"), "");
 }
 
 TEST_F(Joints, CarryTheStampOfTheOldestSample) {

@@ -40,6 +40,7 @@ std::string check_duration(const std::string& text) {
 PlanReport make_report(const PlanOptions& options) {
   PlanReport report;
   const config::RingConfig ring = config::load_ring(app::ring_file(options.config));
+  for (const std::string& warning : ring.warnings) std::cerr << "ring_sim: warning: " << warning << std::endl;
   report.assumed = sim::assumes_lines(ring);
   const auto delay = core::whole_nanoseconds(options.medium.relay_delay);
   report.ring = sim::with_assumed_lines(ring, options.medium.rate, delay);

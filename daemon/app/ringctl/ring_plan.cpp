@@ -6,6 +6,7 @@
 #include "app/common/ring_file.h"
 #include "app/ringctl/host_choice.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/tell_user.h"
 #include "config/config_error.h"
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
@@ -94,6 +95,7 @@ RingPlan plan_ring(const UpRequest& given) {
   UpRequest request = given;
   if (!given.config.empty()) request.config = app::ring_file(given.config);
   const config::RingConfig config = load(request);
+  for (const std::string& warning : config.warnings) tell_user("warning: " + warning);
   RingPlan plan;
   plan.ring = ring_name(request, config);
   plan.is_virtual = request.clock.has_value();

@@ -16,16 +16,16 @@ namespace limb_ring::payload {
 ///   | 8    | 8       | 16       | 64, signed, ns  | 32, us    | 8     | 8     |
 ///
 ///   joint: | mask 8 | position i32, if bit 0 | velocity i32, if bit 1 | effort i32, if bit 2 |
-///          in 1e-6 rad, rad/s, N m
+///          in 1e-6 rad, rad/s, N m; of a joint that slides 1e-6 m, m/s, N
 ///   flags: bit 0 resume, bit 1 saturated
 ///
 /// Joints are in the node's configured order; a joint with an empty mask, or beyond `count`, is
 /// not commanded. 18 + 38 * 13 = 512 bytes: at most 38 joints.
 struct JointCommand {
   struct Joint {
-    std::optional<double> position;  ///< rad
-    std::optional<double> velocity;  ///< rad/s; with a position: its rate (feed-forward)
-    std::optional<double> effort;    ///< N m; with a position or velocity: added to the servo's
+    std::optional<double> position;  ///< rad; m where it slides
+    std::optional<double> velocity;  ///< rad/s or m/s; with a position: its rate (feed-forward)
+    std::optional<double> effort;    ///< N m or N; with a position or velocity: added to the servo's
   };
 
   std::uint16_t sequence = 0;      ///< +1 for every command of this commander, wraps

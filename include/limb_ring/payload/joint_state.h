@@ -18,6 +18,9 @@ namespace limb_ring::payload {
 ///   joint (12 B): | position i32, 1e-6 rad | velocity i32, 1e-6 rad/s | effort i32, 1e-6 N m |
 ///   mode bits:    0 commanded  1 safe  2 hold  3 damp  4 stopped  5 command_refused  6 saturated
 ///
+/// For a joint that slides (prismatic) m, m/s and N stand for rad, rad/s and N m, with the same step of 1e-6: 1 um, and
+/// at most 2147 m. The packet does not say which it is: the ring's file does.
+///
 /// Joints are in the node's configured order. 16 + 41 * 12 = 508 bytes: at most 41 joints.
 struct JointState {
   struct Mode {
@@ -30,9 +33,9 @@ struct JointState {
     bool saturated = false;        ///< a value of this packet was out of range and cut to it
   };
   struct Joint {
-    double position = 0;  ///< rad
-    double velocity = 0;  ///< rad/s
-    double effort = 0;    ///< N m
+    double position = 0;  ///< rad; m where it slides
+    double velocity = 0;  ///< rad/s; m/s
+    double effort = 0;    ///< N m; N
   };
 
   std::uint16_t sequence = 0;  ///< +1 for every state of this CPU, wraps
