@@ -33,13 +33,23 @@ def subcommands_in(text):
     return [word for word in text.split() if re.fullmatch(r'[a-z][a-z-]*', word) and word != 'help']
 
 
+def subcommands_of(program, words, level):
+    """The help of each subcommand, and of theirs. Each fault's is left out: all are alike, and faults.md has them."""
+    page = ''
+    for subcommand in subcommands_in(output_of(program, 'complete', *words[1:], '')):
+        text = output_of(program, *words[1:], subcommand, '--help')
+        page += '%s %s %s\n\n%s' % ('#' * level, ' '.join(words), subcommand, block(text))
+        if 'SUBCOMMAND' in text and subcommand != 'fault':
+            page += subcommands_of(program, [*words, subcommand], level + 1)
+    return page
+
+
 def commands_page(programs):
     page = '# Commands\n\n' + WRITTEN + 'Every program prints this with `--help`, and each subcommand, too.\n\n'
     for name in PROGRAMS:
         program = os.path.join(programs, name)
         page += '## %s\n\n%s' % (name, block(output_of(program, '--help')))
-        for subcommand in subcommands_in(output_of(program, 'complete', '')) if name in ('ringctl', 'ring_sim') else []:
-            page += '### %s %s\n\n%s' % (name, subcommand, block(output_of(program, 'help', subcommand)))
+        page += subcommands_of(program, [name], 3) if name in ('ringctl', 'ring_sim') else ''
     return page.rstrip() + '\n'
 
 

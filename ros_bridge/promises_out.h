@@ -13,7 +13,7 @@
 
 namespace limb_ring::bridge {
 
-/// Judges the ring's promises, as `ringctl watch` does, for `/diagnostics`: "promises". A thread of its own.
+/// Judges the ring's promises, as `ringctl judge` does, for `/diagnostics`: "promises". A thread of its own.
 class PromisesOut {
  public:
   PromisesOut(const config::RingConfig& ring, const ConnectOptions& daemon);

@@ -12,12 +12,12 @@ struct ErrorCounter {
   enum class Of : std::uint8_t { input, output, node } of;
   std::string name;  ///< as in the node's status (protocol.md section 10)
   /// One count is a packet, a try, or a datagram of packets, that was damaged, lost or thrown away at this node:
-  /// `ringctl top` adds these up. The others count what a line or a link did, or what the receiving end was not ready
-  /// for.
+  /// `ringctl status --watch` adds these up. The others count what a line or a link did, or what the receiving end was
+  /// not ready for.
   bool of_packets;
 };
 
-/// All that /diagnostics warns of as they grow, and `ringctl top` adds up.
+/// All that /diagnostics warns of as they grow, and `ringctl status --watch` adds up.
 const std::vector<ErrorCounter>& error_counters();
 
 }  // namespace limb_ring::ask

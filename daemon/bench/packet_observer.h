@@ -9,7 +9,7 @@
 
 namespace limb_ring::bench {
 
-/// A process that observes all packets that come into one node, as `ringctl dump NODE -w` does, and throws away
+/// A process that observes all packets that come into one node, as `ringctl traffic show NODE -w` does, and throws away
 /// what it would write.
 class PacketObserver {
  public:

@@ -56,7 +56,7 @@ struct Label {
 constexpr Label kLabels[] = {{"reference", "bare reference ring (UNIX)"},
                              {"shm", "limb_ring through shared memory"},
                              {"recorded", "  with flight recorders"},
-                             {"judged", "  while `ringctl watch` judges it"},
+                             {"judged", "  while `ringctl judge` judges it"},
                              {"placed", "  cores: auto, fifo"},
                              {"unix", "limb_ring over UNIX stream"},
                              {"watched", "  while one dump reads along"},

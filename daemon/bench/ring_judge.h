@@ -9,7 +9,7 @@
 
 namespace limb_ring::bench {
 
-/// A process that judges the ring's promises, as `ringctl watch` does.
+/// A process that judges the ring's promises, as `ringctl judge` does.
 class RingJudge {
  public:
   /// Returns when it watches all nodes. @throw std::runtime_error where that takes too long

@@ -17,7 +17,8 @@ constexpr std::size_t kPacketHead = 28;  // of an Enhanced Packet, up to its byt
 constexpr std::size_t kSectionOptions = 24;
 constexpr std::size_t kInterfaceOptions = 16;
 constexpr std::uint32_t kSmallestBlock = 12;
-constexpr const char* kNoPcapng = "no pcapng file; 'ringctl dump -w FILE' and 'ring_sim run --capture FILE' write one";
+constexpr const char* kNoPcapng =
+    "no pcapng file; 'ringctl traffic show -w FILE' and 'ring_sim run --capture FILE' write one";
 
 /// ns since 1970 in 64 bits end in 2262; a year less leaves room for what is added to them.
 constexpr std::uint64_t kLatest = 291ull * 365 * 24 * 3600 * 1'000'000'000;

@@ -194,7 +194,7 @@ void check_expected(const Entry& file, const RingConfig& ring, Problems& problem
 }  // namespace
 
 const char* const kKeyOrInsecure =
-    "links: {key: FILE}, of 'ringctl keygen FILE', the same on all hosts; or links: {insecure: true}, in so many "
+    "links: {key: FILE}, of 'ringctl hosts key FILE', the same on all hosts; or links: {insecure: true}, in so many "
     "words, where whoever is on that network may command the robot";
 
 std::string unkeyed_line(const RingConfig& ring) {

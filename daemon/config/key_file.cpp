@@ -37,7 +37,7 @@ void check_owner(int fd, const std::string& path) {
                             std::to_string(::geteuid()) + ": it has to be of the user who runs the ring");
   if ((found.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
   throw failure(path, "others may use it: 'chmod 600 " + path +
-                          "', and if somebody may have read it, a new one of 'ringctl keygen' on all hosts");
+                          "', and if somebody may have read it, a new one of 'ringctl hosts key' on all hosts");
 }
 
 int digit(char c) {
@@ -50,7 +50,7 @@ int digit(char c) {
 KeyBytes read_key_file(const std::string& path) {
   const process::UniqueFd file = open_file(path, O_RDONLY | O_NONBLOCK);
   if (!file.valid())
-    throw failure(path, why() + "; 'ringctl keygen " + path + "' makes one, to be copied to all hosts");
+    throw failure(path, why() + "; 'ringctl hosts key " + path + "' makes one, to be copied to all hosts");
   check_owner(file.get(), path);
   std::array<char, kTextSize + 1> text{};
   const ssize_t got = ::read(file.get(), text.data(), text.size());
@@ -61,7 +61,8 @@ KeyBytes read_key_file(const std::string& path) {
     good = high >= 0 && low >= 0;
     key[i] = static_cast<std::uint8_t>(high * 16 + low);
   }
-  if (!good) throw failure(path, "holds no key: 64 hexadecimal digits and a newline, as 'ringctl keygen' writes them");
+  if (!good)
+    throw failure(path, "holds no key: 64 hexadecimal digits and a newline, as 'ringctl hosts key' writes them");
   return key;
 }
 

@@ -32,7 +32,7 @@ Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
 }
 
 Option<LinkConfig> key_option() {
-  constexpr const char* kRule = "a file, absolute or beside this one; 'ringctl keygen FILE' makes it";
+  constexpr const char* kRule = "a file, absolute or beside this one; 'ringctl hosts key FILE' makes it";
   return {"key", "none", kRule,
           "udp: the key of all UDP lines, the same file on all hosts, mode 0600: nobody without it is heard.",
           [=](const Entry& entry, LinkConfig& link) {

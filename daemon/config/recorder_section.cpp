@@ -24,7 +24,7 @@ const Section<RecorderSaves>& saves_section() {
        "When the recordings of all nodes are saved by themselves, by `ringctl up`: crash: a daemon ends that nobody "
        "has "
        "ended; break: a broken line is located; promise: one is broken, for which the ring is watched as `ringctl "
-       "watch` does.",
+       "judge` does.",
        read_save},
       {"folder", "`~/.local/state/limb_ring`", kFolderRule,
        "There each save is a folder, named by ring, date and reason. The default is $XDG_STATE_HOME/limb_ring where "

@@ -92,8 +92,8 @@ const Section<RingConfig>& ring_section() {
        [](const Entry& entry, RingConfig&) { read_urdf(entry); }},
       hosts_option(),
       section_option("recorder", &RingConfig::recorder, recorder_section(),
-                     "Each node writes down what goes into its network controller and what comes out, for `ring_sim "
-                     "replay`."),
+                     "Each node writes down what goes into its network controller and what comes out, for `ringctl "
+                     "record check`."),
       {"nodes", kRequired, "a list of 2 to 255 maps, see below",
        "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
       section_option("supervisor", &RingConfig::supervisor, supervisor_section(),

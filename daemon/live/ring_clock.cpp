@@ -40,7 +40,7 @@ json ring_clock(const std::string& ring) {
 std::string standing_clock(const std::string& ring) {
   const json clock = ring_clock(ring);
   if (!clock.is_object() || !clock.value("paused", false)) return "";
-  return "the virtual clock of ring " + ring + " stands; 'ringctl run' lets it go on";
+  return "the virtual clock of ring " + ring + " stands; 'ringctl clock run' lets it go on";
 }
 
 std::string with_standing_clock(const std::string& problem, const std::string& ring) {

@@ -71,7 +71,7 @@ class LiveRing:
 
     def _key(self):
         """Makes one. @return its file, beside the ring's"""
-        self._program('ringctl', 'keygen', os.path.join(self.folder, KEY))
+        self._program('ringctl', 'hosts', 'key', os.path.join(self.folder, KEY))
         return KEY
 
     def transport_into(self, node):
@@ -124,12 +124,12 @@ class LiveRing:
             return ''.join(log.readlines()[-count:])
 
     def save_recordings(self, folder):
-        """All that the nodes have recorded, as files for `ring_sim replay`. @return what ringctl says"""
+        """All that the nodes have recorded, as files for `ringctl record check`. @return what ringctl says"""
         return self._program('ringctl', '--ring', self.name, 'record', 'save', folder)
 
     def replay(self, folder):
         """@raise RingFailed where a core does something else than was recorded of it"""
-        return self._program('ring_sim', 'replay', folder)
+        return self._program('ringctl', 'record', 'check', folder)
 
     def _program(self, name, *arguments):
         done = subprocess.run([self.launcher.program(name), *arguments], env=self.launcher.environment,

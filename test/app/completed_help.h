@@ -17,7 +17,9 @@ struct NamedByHelp {
     std::istringstream lines(help);
     bool behind_subcommands = false;
     for (std::string line; std::getline(lines, line);) {
-      if (line == "Subcommands:") behind_subcommands = true;
+      // "Subcommands:", or the title of another group of them
+      if (std::regex_match(line, std::regex("[A-Z][a-z_ ]+:")))
+        behind_subcommands = line != "Options:" && line != "Positionals:";
       std::smatch entry;
       if (!std::regex_search(line, entry, std::regex("^  ([^ ]+)"))) continue;
       const std::string name = entry[1];

@@ -59,7 +59,7 @@ def expect_safe_state_without_a_command(cpu, programs, folder):
     with open(os.path.join(folder, 'started.yaml'), 'w') as file:
         file.write(started)
     commands = ('ringctl up started.yaml --clock virtual --pace max --for 0.1 --capture knee.pcapng',
-                'ringctl dump -r knee.pcapng --from knee --channel joint -d')
+                'ringctl traffic show -r knee.pcapng --from knee --channel joint -d')
     outputs = [subprocess.run(command.split(), cwd=folder, env=environment_with(programs), timeout=GUARD, check=True,
                               stdout=subprocess.PIPE, universal_newlines=True).stdout for command in commands]
     states = re.findall(r'joint state \d+ \(([^)]*)', outputs[-1])

@@ -172,7 +172,7 @@ const std::map<std::string, Parts> kMayInclude{
       "limb_ring"}},
     {"app/ring_sim",
      {"app/common", "app/capture_text", "wire", "capture", "core", "sim", "sim_tools", "scenario", "study", "config",
-      "cli", "process", "promises", "recorder"}},
+      "cli", "process", "promises"}},
     {"app/scenario_cpu", {"limb_ring"}},
     {"app/run_scenario", {"app/ringctl", "process"}},
 };

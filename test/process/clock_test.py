@@ -18,11 +18,11 @@ class Clock(RingTest):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def clock(self, *words):
-        """What the clock says after `ringctl WORDS`."""
-        return self.ctl_json('--ring', self.ring, *words)
+        """What the clock says after `ringctl clock WORDS`."""
+        return self.ctl_json('--ring', self.ring, 'clock', *words)
 
     def refused(self, code, *words):
-        done = self.ctl(*words)
+        done = self.ctl('clock', *words)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stderr
 
@@ -36,8 +36,8 @@ class Clock(RingTest):
             before = self.clock('pause')['now_ns']
             after = self.clock('step', step)
             self.assertEqual((after['now_ns'] - before, after['paused']), (length, True))
-        self.assertIn('ring %s stands at ' % self.ring, self.ctl('step', '1ms', self.ring).stdout)
-        self.assertRegex(self.ctl('run', self.ring).stdout, r' goes on from [0-9.]+ s, pace 1\n$')
+        self.assertIn('ring %s stands at ' % self.ring, self.ctl('clock', 'step', '1ms', self.ring).stdout)
+        self.assertRegex(self.ctl('clock', 'run', self.ring).stdout, r' goes on from [0-9.]+ s, pace 1\n$')
         gone_on = self.clock('pause')
         self.assertGreater(gone_on['now_ns'], stands['now_ns'])
 
@@ -55,10 +55,10 @@ class Clock(RingTest):
     def test_what_waits_while_it_stands_says_why(self):
         self.up(self.write_ring(plain_nodes(4)))
         self.clock('pause')
-        stands = "the virtual clock of ring %s stands; 'ringctl run' lets it go on" % self.ring
+        stands = "the virtual clock of ring %s stands; 'ringctl clock run' lets it go on" % self.ring
         stop = self.begin('stop')
         for waiting in [self.begin('send', '--from', '0', '--to', '2', '--data', 'x'), stop,
-                        self.begin('ping', '2', '--from', '0', '-c', '1'), self.begin('dump', '0', '-n', '1'),
+                        self.begin('ping', '2', '--from', '0', '-c', '1'), self.begin('traffic', 'show', '0', '-n', '1'),
                         self.begin('fault', 'freeze', 'node3', '--for', '1s')]:
             self.wait('a hint of ' + str(waiting.args), lambda: 'waiting: ' + stands in self.log_of(waiting))
         self.assertIn('ringctl: ' + stands + ', and what was asked for may happen then',
@@ -70,7 +70,7 @@ class Clock(RingTest):
     def test_a_step_says_until_when_it_goes(self):
         self.up(self.write_ring(plain_nodes(3)))
         until = self.clock('pause')['now_ns'] / 1e9 + 10000
-        step = self.begin('step', '10000s')
+        step = self.begin('clock', 'step', '10000s')
         self.wait('it to say so',
                   lambda: "waiting until %.9f s of the ring's time" % until in self.log_of(step))
         self.clock('pause')
@@ -79,7 +79,7 @@ class Clock(RingTest):
     def test_a_step_that_is_interrupted_stands_where_it_is(self):
         self.up(self.write_ring(plain_nodes(3)))
         begun = self.clock('pause')['now_ns']
-        step = self.begin('step', '10000s')
+        step = self.begin('clock', 'step', '10000s')
         self.wait('it to go on', lambda: self.ring_now() > begun)
         step.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(step), 1)
@@ -95,7 +95,7 @@ class Clock(RingTest):
         self.assertEqual(self.clock('pace', '0.25')['pace'], 0.25)
         for pace in ('0.25', '1', '20', 'max'):
             told = ', pace %s\n' % pace
-            self.assertTrue(self.ctl('pace', pace, self.ring).stdout.endswith(told), pace)
+            self.assertTrue(self.ctl('clock', 'pace', pace, self.ring).stdout.endswith(told), pace)
             self.assertIn(told[:-1], self.ctl('status').stdout.splitlines()[0], 'in the same form')
         self.assertEqual(self.clock('pace', 'max')['pace'], 'max')
         before = self.clock('pace', 'max')['now_ns']
@@ -118,7 +118,7 @@ class Clock(RingTest):
             ring = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring,
                                        '--clock', 'virtual', '--pace', '4', '--for', '4'])
             if steer:
-                self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'pause').returncode == 0)
+                self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'clock', 'pause').returncode == 0)
                 for step in ('1ms', '7us', '123456ns'):
                     self.clock('step', step)
                 self.clock('pace', 'max')
@@ -130,7 +130,7 @@ class Clock(RingTest):
 
     def test_a_ring_that_follows_goes_as_far_as_it_is_allowed(self):
         ring = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring, '--clock', 'follow'])
-        self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'pause').returncode == 0)
+        self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'clock', 'pause').returncode == 0)
         self.clock('run')
         with self.port(0) as port:
             self.assertEqual(port.ask({'do': 'clock'})['now_ns'], 0, 'nobody has allowed any time')
@@ -147,7 +147,7 @@ class Clock(RingTest):
 
     def test_a_run_that_went_on_without_a_controller_says_so(self):
         ring = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring, '--clock', 'virtual'])
-        self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'pause').returncode == 0)
+        self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'clock', 'pause').returncode == 0)
         with self.port(0) as port:
             with self.assertRaisesRegex(ring_process.HostPortError, 'whom'):
                 port.ask({'do': 'went_on_without'})

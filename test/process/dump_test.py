@@ -1,4 +1,4 @@
-"""ringctl dump, replay and top: the traffic of a ring, as its users see it."""
+"""ringctl traffic and status --watch: the traffic of a ring, as its users see it."""
 
 import json
 import os
@@ -23,7 +23,7 @@ class Looking(RingTest):
 
     def dump_until_done(self, *arguments):
         """A dump that ends by itself, beside packets that go on until it has."""
-        dump = self.start('dump', [program('ringctl'), 'dump'] + [str(a) for a in arguments])
+        dump = self.start('dump', [program('ringctl'), 'traffic', 'show'] + [str(a) for a in arguments])
         self.wait('the end of the dump', lambda: self.sends(1, 2) or dump.poll() is not None)
         self.assertEqual(dump.returncode, 0, self.log_of(dump))
         return self.log_of(dump)
@@ -34,7 +34,7 @@ class Looking(RingTest):
         return path
 
     def rows(self, *arguments):
-        done = self.ctl('dump', '--json', *arguments)
+        done = self.ctl('traffic', 'show', '--json', *arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
         return [json.loads(line) for line in done.stdout.splitlines()]
 
@@ -63,7 +63,7 @@ class Dump(Looking):
 
     def test_ends_with_ctrl_c_and_says_what_it_saw(self):
         self.start_ring(plain_nodes(3))
-        dump = self.start('dump', [program('ringctl'), 'dump', 'node2', '-t', 'd', '-d'])
+        dump = self.start('dump', [program('ringctl'), 'traffic', 'show', 'node2', '-t', 'd', '-d'])
         self.wait('a beacon', lambda: 'beacon, boot' in self.log_of(dump))
         dump.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(dump), 0)
@@ -75,8 +75,8 @@ class Dump(Looking):
         said = self.dump_until_done('all', '--kind', 'data', '-n', 4)
         self.assertIn('node 3 (node3) is left out: ', said)
         self.assertIn('4 packets shown', said)
-        self.assertEqual(self.ctl('dump', 'node3').returncode, 3)
-        self.assertIn('all: every node is meant', self.ctl('dump', 'all', 'node1').stderr)
+        self.assertEqual(self.ctl('traffic', 'show', 'node3').returncode, 3)
+        self.assertIn('all: every node is meant', self.ctl('traffic', 'show', 'all', 'node1').stderr)
 
     def test_a_file_reads_back_as_what_was_seen(self):
         self.start_ring(plain_nodes(3))
@@ -89,14 +89,14 @@ class Dump(Looking):
         self.assertEqual([r['time_ns'] for r in rows], sorted(r['time_ns'] for r in rows))
         self.assertEqual(len(self.rows('-r', path, '--at', 'out')), 3)
         self.assertEqual(self.rows('-r', path, '--from', 'node0'), [])
-        text = self.ctl('dump', '-r', path, '-t', 'z', '-n', 1).stdout
+        text = self.ctl('traffic', 'show', '-r', path, '-t', 'z', '-n', 1).stdout
         self.assertTrue(text.startswith('(000.000000000)  node1 -> node2'), text)
 
     def test_events_are_shown_and_written(self):
         daemons = self.start_ring(plain_nodes(3))
         path = os.path.join(self.folder, 'events.pcapng')
-        writer = self.start('writer', [program('ringctl'), 'dump', 'node0', '-w', path])
-        shower = self.start('shower', [program('ringctl'), 'dump', 'node0', '-e'])
+        writer = self.start('writer', [program('ringctl'), 'traffic', 'show', 'node0', '-w', path])
+        shower = self.start('shower', [program('ringctl'), 'traffic', 'show', 'node0', '-e'])
         self.wait('a packet', lambda: 'DATP' in self.log_of(shower))
         self.wait('it in the file', lambda: os.path.exists(path) and os.path.getsize(path) > 1000)
         daemons[1].kill()
@@ -109,7 +109,7 @@ class Dump(Looking):
     def test_counts_are_said_also_where_the_daemon_dies_or_the_file_is_damaged(self):
         daemons = self.start_ring(plain_nodes(3))
         path = os.path.join(self.folder, 'dies.pcapng')
-        dump = self.start('dump', [program('ringctl'), 'dump', 'node0', '-n', '100000', '-w', path])
+        dump = self.start('dump', [program('ringctl'), 'traffic', 'show', 'node0', '-n', '100000', '-w', path])
         self.wait('some packets', lambda: os.path.exists(path) and os.path.getsize(path) > 2000)
         daemons[0].kill()
         self.assertEqual(self.wait_exit(dump), 3)
@@ -118,14 +118,14 @@ class Dump(Looking):
         self.assertIn('no daemon is left', said[-1])
         with open(path, 'ab') as file:
             file.write(b'\6\0\0\0' + b'\7\0\0\0' * 2)  # a block of 7 bytes
-        done = self.ctl('dump', '-r', path)
+        done = self.ctl('traffic', 'show', '-r', path)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertRegex(done.stderr.splitlines()[-2], r'^ringctl: [1-9]\d* packets shown of ')
 
     def test_of_a_fifo_says_what_it_waits_for_and_ends_with_ctrl_c(self):
         fifo = os.path.join(self.folder, 'fifo')
         os.mkfifo(fifo)
-        dump = self.start('dump', [program('ringctl'), 'dump', '-r', fifo])
+        dump = self.start('dump', [program('ringctl'), 'traffic', 'show', '-r', fifo])
         self.wait('it says so', lambda: fifo + ' is a FIFO: waiting for' in self.log_of(dump))
         dump.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(dump), -signal.SIGINT)
@@ -142,11 +142,11 @@ class Dump(Looking):
                                  (['-r', bad], [bad, 'pcapng']),
                                  (['-r', bad + '2'], [bad + '2', 'No such file']),
                                  (['-w', '/nowhere/x'], ['/nowhere/x'])):
-            done = self.ctl('dump', *arguments)
+            done = self.ctl('traffic', 'show', *arguments)
             self.assertEqual(done.returncode, 2, arguments)
             for word in words:
                 self.assertIn(word, done.stderr)
-        self.assertEqual(self.ctl('--ring', 'none', 'dump').returncode, 3)
+        self.assertEqual(self.ctl('--ring', 'none', 'traffic', 'show').returncode, 3)
 
 
 class Replay(Looking):
@@ -154,7 +154,7 @@ class Replay(Looking):
         daemons = self.start_ring(plain_nodes(3))
         path = self.capture('node0', '--kind', 'data', '-n', 20)
         before = self.counters(1)['ended_delivered']
-        replay = self.start('replay', [program('ringctl'), 'replay', path, '--loop', '1000000'])
+        replay = self.start('replay', [program('ringctl'), 'traffic', 'again', path, '--loop', '1000000'])
         self.wait('some to arrive', lambda: self.counters(1)['ended_delivered'] > before + 20)
         daemons[1].kill()
         self.assertEqual(self.wait_exit(replay), 3)
@@ -167,7 +167,7 @@ class Replay(Looking):
         path = self.capture('node0', '--kind', 'data,control', '-n', 20)
         data = sum(row.get('channel') == 0 for row in self.rows('-r', path))
         before = self.counters(1)['ended_delivered']
-        report = self.ctl_json('replay', path, '--speed', 5, '--loop', 2)
+        report = self.ctl_json('traffic', 'again', path, '--speed', 5, '--loop', 2)
         self.assertEqual(report['sent'], 2 * data)
         self.assertEqual(report['outcomes'], {'delivered': 2 * data})
         self.assertEqual(report['left_out']['control'], 20 - data)
@@ -178,18 +178,18 @@ class Replay(Looking):
         nodes[0]['cpu'] = 'attached'
         self.start_ring(nodes, timeouts={'refused': '50ms'})
         path = os.path.join(self.folder, 'refused.pcapng')
-        dump = self.start('dump', [program('ringctl'), 'dump', 'node0', '--kind', 'data', '-n', '1', '-w', path])
+        dump = self.start('dump', [program('ringctl'), 'traffic', 'show', 'node0', '--kind', 'data', '-n', '1', '-w', path])
         port = self.port(2)
         self.wait('the end of the dump', lambda: port.wait(port.send(0, b'x'), GUARD) and dump.poll() is not None)
-        report = self.ctl_json('replay', path, code=1)
+        report = self.ctl_json('traffic', 'again', path, code=1)
         self.assertEqual(report['outcomes'], {'refused': 1})
         self.assertEqual(report['reasons'], {'probably no CPU is there (by its last beacon)': 1})
-        self.assertIn('\n  1: probably no CPU is there', self.ctl('replay', path).stdout)
+        self.assertIn('\n  1: probably no CPU is there', self.ctl('traffic', 'again', path).stdout)
 
     def test_of_a_file_of_all_lines_takes_each_packet_once(self):
         self.start_ring(plain_nodes(3))
         path = self.capture('all', '--at', 'in,out', '--kind', 'data', '-n', 18)
-        report = self.ctl_json('replay', path)
+        report = self.ctl_json('traffic', 'again', path)
         self.assertEqual(report['sent'] + report['left_out']['on_other_lines'], 18)
         self.assertLessEqual(report['sent'], 4)
 
@@ -197,8 +197,8 @@ class Replay(Looking):
         self.start_ring(plain_nodes(3))
         path = self.capture('node0', '--kind', 'data', '-n', 1)
         control = self.capture('node0', '--kind', 'control', '-n', 1)
-        self.assertEqual(self.ctl('replay', control).returncode, 1)
-        self.assertEqual(self.ctl('--ring', 'none', 'replay', path).returncode, 3)
+        self.assertEqual(self.ctl('traffic', 'again', control).returncode, 1)
+        self.assertEqual(self.ctl('--ring', 'none', 'traffic', 'again', path).returncode, 3)
 
 
 class LargeCapture(RingTest):
@@ -210,8 +210,8 @@ class LargeCapture(RingTest):
         os.mkfifo(slow)
         with open(whole, 'rb') as file:
             packets = file.read()
-        for command in ('trace', 'replay'):
-            reads = self.start(command, [program('ringctl'), command, slow])
+        for command in ('why', 'again'):
+            reads = self.start(command, [program('ringctl'), 'traffic', command, slow])
             with open(slow, 'wb', buffering=0) as file:
                 file.write(packets)
                 self.wait('progress', lambda: 'ringctl: reading %s ...\n' % slow in self.log_of(reads))
@@ -221,7 +221,7 @@ class LargeCapture(RingTest):
 class Top(Looking):
     def test_once_gives_rates_of_every_line(self):
         self.start_ring(plain_nodes(3))
-        top = self.start('top', [program('ringctl'), 'top', '--once', '--json', '--interval', '0.5'])
+        top = self.start('top', [program('ringctl'), 'status', '--watch', '--once', '--json', '--interval', '0.5'])
         self.wait('the end of top', lambda: self.sends(1, 2) or top.poll() is not None)
         nodes = json.loads(self.log_of(top))['nodes']
         self.assertEqual([node['state'] for node in nodes], ['up'] * 3)
@@ -234,7 +234,7 @@ class Top(Looking):
         daemons = self.start_ring(plain_nodes(4))
         daemons[3].kill()
         self.wait_closed(range(3))
-        lines = self.ctl('top', '--once', '--interval', '0.1').stdout.splitlines()
+        lines = self.ctl('status', '--watch', '--once', '--interval', '0.1').stdout.splitlines()
         self.assertEqual(len(lines), 6)
         self.assertLessEqual(max(len(line) for line in lines), 80)
         self.assertIn('3 of 4 nodes up', lines[0])
@@ -245,7 +245,7 @@ class Top(Looking):
         for ending in ('q', 'signal'):
             terminal, inside = pty.openpty()
             before = termios.tcgetattr(inside)
-            top = subprocess.Popen([program('ringctl'), 'top', '--interval', '0.1'], stdin=inside,
+            top = subprocess.Popen([program('ringctl'), 'status', '--watch', '--interval', '0.1'], stdin=inside,
                                    stdout=inside, stderr=inside, env=self.environment)
             self.processes.append(('top', top))
             top.log = os.devnull
@@ -263,7 +263,7 @@ class Top(Looking):
     def test_the_first_picture_has_no_rates_since_nothing_was_read_before(self):
         self.start_ring(plain_nodes(2))
         terminal, inside = pty.openpty()
-        top = subprocess.Popen([program('ringctl'), 'top', '--interval', '3600'], stdin=inside, stdout=inside,
+        top = subprocess.Popen([program('ringctl'), 'status', '--watch', '--interval', '3600'], stdin=inside, stdout=inside,
                                stderr=inside, env=dict(self.environment, NO_COLOR='1'))
         self.processes.append(('top', top))
         top.log = os.devnull
@@ -285,10 +285,10 @@ class Top(Looking):
 
     def test_wants_a_terminal_unless_once(self):
         self.start_ring(plain_nodes(2))
-        done = self.ctl('top')
+        done = self.ctl('status', '--watch')
         self.assertEqual(done.returncode, 2)
         self.assertIn('--once', done.stderr)
-        self.assertEqual(self.ctl('top', '--json').returncode, 2)
+        self.assertEqual(self.ctl('status', '--watch', '--json').returncode, 2)
 
 
 if __name__ == '__main__':

@@ -102,7 +102,7 @@ class FullPort(RingTest):
         wait = self.ctl('--ring', self.ring, 'wait', 'up', '--timeout', 0)
         self.assertEqual(wait.returncode, 1)
         self.assertIn('node 0 (node0): it has not answered: ', wait.stderr)
-        top = self.ctl('--ring', self.ring, 'top', '--once')
+        top = self.ctl('--ring', self.ring, 'status', '--watch', '--once')
         self.assertRegex(top.stdout, 'node0 +unanswered', top.stderr)
 
     def test_a_stop_goes_from_another_node(self):

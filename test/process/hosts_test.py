@@ -98,10 +98,10 @@ class FromOneHostToTheOther(HostsTest):
 
     def test_sync_has_the_clocks_of_both(self):
         for _ in range(2):
-            sync = self.json_on('head', 'sync')
+            sync = self.json_on('head', 'clock', 'sync')
             self.assertEqual([node['latched'] for node in sync['nodes']], [True] * 4)
             self.assertEqual([node['hops'] for node in sync['nodes']], [2, 3, 0, 1])
-        self.assertIn('sync delivered', self.on('waist', 'sync'))
+        self.assertIn('sync delivered', self.on('waist', 'clock', 'sync'))
 
     def test_packets_and_interrupts_arrive(self):
         self.on('waist', 'interrupt', '--from', 'waist0', '--to', 'head1', 2)
@@ -110,7 +110,7 @@ class FromOneHostToTheOther(HostsTest):
 
     def test_what_only_the_other_host_can_do_says_which(self):
         for command in (('fault', 'kill', 'head0'), ('send', '--from', 'head0', '--to', 'waist0', '--data', 'x'),
-                        ('dump', 'head1', '-n', 1), ('pull', 'head0', 0), ('fault', 'cut', 'head1:waist0')):
+                        ('traffic', 'show', 'head1', '-n', 1), ('interrupt', '--from', 'head0', '--input', 0), ('fault', 'cut', 'head1:waist0')):
             text = self.on('waist', *command, code=3)
             self.assertIn('is on host head (127.0.0.2), this is host waist', text)
             self.assertIn('--ssh', text)
@@ -125,7 +125,7 @@ class FromOneHostToTheOther(HostsTest):
                                            "it's; a $(word)"))
         self.on('waist', 'fault', 'kill', 'head0', '--ssh')
         self.on('waist', 'wait', 'head0', 'down', '--timeout', 30)
-        self.assertIn('head0.kill', self.on('waist', '--ssh', 'dump', 'head0', '-n', 1, code=3) +
+        self.assertIn('head0.kill', self.on('waist', '--ssh', 'traffic', 'show', 'head0', '-n', 1, code=3) +
                       self.on('head', 'fault', 'list'))
         self.on('waist', '--ring', self.ring, '--ssh', 'fault', 'start', 'head0')
         self.on('waist', 'wait', 'up', '--timeout', 30)
@@ -138,7 +138,7 @@ class FromOneHostToTheOther(HostsTest):
         self.assertIn('nobody is there', self.on('waist', '--ssh', 'fault', 'kill', 'head0', code=3))
 
     def test_top_shows_all(self):
-        text = self.on('waist', 'top', '--once', '--interval', '0.1')
+        text = self.on('waist', 'status', '--watch', '--once', '--interval', '0.1')
         self.assertIn('4 of 4 nodes up', text)
 
     def test_list_says_which_host_this_is(self):

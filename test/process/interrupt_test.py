@@ -19,9 +19,9 @@ class Pins(RingTest):
         nodes[2].update(cpu='attached', pins={'4': 'notify'})
         self.start_ring(nodes)
         cpu = self.port(2, role='cpu')
-        self.assertEqual(self.ctl_json('pull', 'node0', 3)['delivered'], 1)
+        self.assertEqual(self.ctl_json('interrupt', '--from', 'node0', '--input', 3)['delivered'], 1)
         self.assertEqual(fields(cpu.next_of(Interrupt)), ('notify', 0, 4))
-        unwired = self.ctl_json('pull', 'node0', 5, code=1)['results'][0]
+        unwired = self.ctl_json('interrupt', '--from', 'node0', '--input', 5, code=1)['results'][0]
         self.assertEqual(unwired['outcome'], 'rejected')
         self.assertNotEqual(unwired['reason'], '')
 
@@ -104,7 +104,7 @@ class Pins(RingTest):
 class Sync(RingTest):
     def test_sync_gives_every_nodes_offset(self):
         self.start_ring(plain_nodes(4))
-        sync = self.ctl_json('sync', '--from', 2)
+        sync = self.ctl_json('clock', 'sync', '--from', 2)
         self.assertEqual([row['id'] for row in sync['nodes']], [0, 1, 2, 3])
         self.assertEqual([row['hops'] for row in sync['nodes']], [2, 3, 0, 1])
         self.assertTrue(all(row['latched'] for row in sync['nodes']))
@@ -112,7 +112,7 @@ class Sync(RingTest):
     def test_sync_measures_no_line_below_zero(self):
         self.start_ring(plain_nodes(4))
         for _ in range(20):
-            for row in self.ctl_json('sync')['nodes']:
+            for row in self.ctl_json('clock', 'sync')['nodes']:
                 self.assertGreaterEqual(row['one_way_us'], 0, row)
         # Also where packets of others come in with what asks for it.
         self.start('ping', [ring_process.program('ringctl'), '--ring', self.ring, 'ping', 'node2', '--from', 'node1',
@@ -126,7 +126,7 @@ class Sync(RingTest):
         daemons = self.start_ring(plain_nodes(4))
         daemons[3].kill()
         self.wait_closed([0, 1, 2])
-        sync = self.ctl_json('sync', '--from', 0, code=1)
+        sync = self.ctl_json('clock', 'sync', '--from', 0, code=1)
         self.assertEqual([row['latched'] for row in sync['nodes']], [True, True, True, False])
 
 

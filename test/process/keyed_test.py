@@ -18,7 +18,7 @@ class Keyed(RingTest):
 
     def keygen(self, name):
         path = os.path.join(os.path.dirname(self.write('beside.yaml', '')), name)
-        made = self.ctl('keygen', path)
+        made = self.ctl('hosts', 'key', path)
         self.assertEqual(made.returncode, 0, made.stderr)
         self.assertIn("in a ring's file in the same folder: links: {key: %s}; elsewhere" % name, made.stdout)
         return path
@@ -80,7 +80,7 @@ class Keyed(RingTest):
             key.write('secret\n')
         self.assert_not_started(keyed, 'holds no key')
         os.remove(self.key)
-        self.assert_not_started(keyed, 'No such file', 'ringctl keygen')
+        self.assert_not_started(keyed, 'No such file', 'ringctl hosts key')
 
     def test_a_ring_without_udp_lines_needs_no_key_file(self):
         os.remove(self.key)
@@ -100,7 +100,7 @@ class Keyed(RingTest):
         with open(self.key) as key:
             text = key.read()
         self.assertRegex(text, '^[0-9a-f]{64}\n$')
-        again = self.ctl('keygen', self.key)
+        again = self.ctl('hosts', 'key', self.key)
         self.assertEqual(again.returncode, 1)
         self.assertIn('left as it is', again.stderr)
         with open(self.key) as key:
@@ -112,7 +112,7 @@ class Keyed(RingTest):
             resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
 
         path = os.path.join(self.folder, 'full.key')
-        full = self.ctl('keygen', path, preexec_fn=full_disk)
+        full = self.ctl('hosts', 'key', path, preexec_fn=full_disk)
         self.assertEqual(full.returncode, 1)
         self.assertIn('File too large', full.stderr)
         self.assertFalse(os.path.exists(path))
@@ -121,7 +121,7 @@ class Keyed(RingTest):
         ring = {'ring': self.ring, 'nodes': plain_nodes(2), 'links': {**self.links, 'address': '192.0.2.1'}}
         ended = self.run_ringd('--config', self.write('open.yaml', json.dumps(ring)), '--node', '0')
         self.assertEqual(ended.returncode, 2)
-        for word in ('is not keyed', 'ringctl keygen', 'insecure: true'):
+        for word in ('is not keyed', 'ringctl hosts key', 'insecure: true'):
             self.assertIn(word, ended.stderr)
 
 

@@ -20,7 +20,7 @@ def fields(packet):
 class Events(RingTest):
     def test_are_printed_until_ctrl_c_which_is_a_good_end(self):
         self.start_ring(plain_nodes(2))
-        observe = self.start('observe', [ring_process.program('ringctl'), '--ring', self.ring, 'observe', '0'])
+        observe = self.start('observe', [ring_process.program('ringctl'), '--ring', self.ring, 'traffic', 'events', '0'])
         self.wait('it observes', lambda: self.log_of(observe))
         observe.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(observe), 0)

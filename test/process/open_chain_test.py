@@ -59,7 +59,7 @@ class OpenChain(LimbRing):
         self.assertTrue(self.ctl_json('reset', 'node3', '--timeout', 30)['success'])
 
     def test_status_counts_the_nodes_that_work(self):
-        for command in (['status'], ['top', '--once', '--interval', '0.1']):
+        for command in (['status'], ['status', '--watch', '--once', '--interval', '0.1']):
             headline = self.ctl(*command).stdout.splitlines()[0]
             self.assertIn('4 of 4 nodes work, open chain: line node1 -> node2 broken', headline)
 
@@ -126,7 +126,7 @@ class Stop(LimbRing):
         self.assertIn('4 of 4 stopped', self.ctl('stop').stdout)
         self.assertEqual(self.latched(), [True] * 4)
         self.assertIn("stop latched at all nodes; 'ringctl resume' ends it", self.ctl('status').stdout)
-        top = self.ctl_json('top', '--once', '--interval', '0.1')
+        top = self.ctl_json('status', '--watch', '--once', '--interval', '0.1')
         self.assertEqual([node['cpu'] for node in top['nodes']], ['latched'] * 4)
         self.assertEqual(self.ctl('resume', 'node3').stdout, 'resumed node3\n')
         self.wait('node3 has resumed', lambda: self.latched() == [True, True, True, False])

@@ -21,7 +21,7 @@ class Recorder(RingTest):
         return done.stdout
 
     def replay(self, *arguments, code=0):
-        done = self.run_program('ring_sim', 'replay', *arguments)
+        done = self.run_program('ringctl', 'record', 'check', *arguments)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
@@ -102,7 +102,7 @@ class Recorder(RingTest):
         self.assertIn(b'packet 2'.hex(), records)
         capture = os.path.join(self.folder, 'lines.pcapng')
         self.replay(self.saved, '--capture', capture)
-        trace = self.run_program('ringctl', 'trace', capture, '-n', '1')
+        trace = self.run_program('ringctl', 'traffic', 'why', capture, '-n', '1')
         self.assertEqual(trace.returncode, 0, trace.stderr)
         self.assertIn('came home', trace.stdout)
 

@@ -116,18 +116,18 @@ class Send(RingTest):
     def test_channels_have_names(self):
         self.start_ring(plain_nodes(2))
         log = os.path.join(self.folder, 'all.pcapng')
-        dump = self.start('dump', [program('ringctl'), 'dump', 'node1', '-w', log, '-n', '1', '--channel', 'joint'])
+        dump = self.start('dump', [program('ringctl'), 'traffic', 'show', 'node1', '-w', log, '-n', '1', '--channel', 'joint'])
         self.wait('captured', lambda: self.ctl('send', '--from', 0, '--to', 1, '--channel', 'joint', '--data', 'hi !')
                   .returncode == 0 and dump.poll() is not None)
-        self.assertRegex(self.ctl('dump', '-r', log, '-a').stdout, r" joint .*68 69 20 21  'hi !'")
+        self.assertRegex(self.ctl('traffic', 'show', '-r', log, '-a').stdout, r" joint .*68 69 20 21  'hi !'")
 
 
 class Dump(RingTest):
     def test_log_is_named_by_date(self):
         self.start_ring(plain_nodes(2))
-        done = self.ctl('dump', '-l', '-n', 1, cwd=self.folder)
+        done = self.ctl('traffic', 'show', '-l', '-n', 1, cwd=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
-        name = re.search(r'writing (dump-[-0-9]+_\d{6}\.pcapng)', done.stderr).group(1)
+        name = re.search(r'writing (traffic-[-0-9]+_\d{6}\.pcapng)', done.stderr).group(1)
         self.assertGreater(os.path.getsize(os.path.join(self.folder, name)), 0)
 
 
@@ -196,16 +196,16 @@ class PlainWords(RingTest):
         self.assertIn("did you mean 'status'?", self.wrong('stauts'))
         self.assertIn("did you mean 'freeze'?", self.wrong('fault', 'freze', 'node1'))
         self.assertIn("did you mean 'node1'?", self.wrong('ping', 'noed1'))
-        self.assertIn("did you mean 'node1'?", self.wrong('dump', '--from', 'nod1'))
+        self.assertIn("did you mean 'node1'?", self.wrong('traffic', 'show', '--from', 'nod1'))
         self.assertIn("did you mean '--count'?", self.wrong('ping', 'node1', '--cuont', 3))
 
     def test_names_the_kinds_that_can_be_observed(self):
         self.start_ring(plain_nodes(2))
-        self.assertIn('state, ring, link', self.wrong('observe', 'node0', '--kinds', 'xx'))
+        self.assertIn('state, ring, link', self.wrong('traffic', 'events', 'node0', '--kinds', 'xx'))
 
     def test_of_values(self):
         self.start_ring(plain_nodes(2))
-        self.assertIn("'x' is unknown; allowed: a, d, z", self.wrong('dump', '-t', 'x'))
+        self.assertIn("'x' is unknown; allowed: a, d, z", self.wrong('traffic', 'show', '-t', 'x'))
         self.assertIn("'1' is not allowed for 'for'; allowed: a time", self.wrong('fault', 'hang', 'node0', '--for', '1'))
         self.assertIn("'10MB/s' is not allowed for 'rate'", self.wrong('fault', 'rate', 'node0:node1', '--rate', '10MB/s'))
 
@@ -274,7 +274,7 @@ class EightyColumns(RingTest):
         self.start_ring(nodes)
         self.ctl('fault', 'cut', '240:241')
         self.wait('open', lambda: self.row(243)['state'] == 'open_chain')
-        for arguments in (('status',), ('top', '--once', '--interval', '0.1')):
+        for arguments in (('status',), ('status', '--watch', '--once', '--interval', '0.1')):
             plain = re.sub('\033\\[[0-9]*m', '', self.shown(*arguments))
             lines = plain.splitlines()
             self.assertLessEqual(max(len(line) for line in lines), 80, plain)
@@ -301,7 +301,7 @@ class EightyColumns(RingTest):
         os.kill(self.row(2)['pid'], signal.SIGSTOP)
         self.wait('bypassed', lambda: self.row(0)['ring_size'] == 2)
         status = self.ctl('status').stdout.splitlines()
-        top = self.ctl('top', '--once', '--interval', '0.1').stdout.splitlines()
+        top = self.ctl('status', '--watch', '--once', '--interval', '0.1').stdout.splitlines()
         self.assertTrue(top[0].startswith(status[0]), (top[0], status[0]))
         for text in (status, top):
             self.assertRegex(text[3], 'node1 .* stopped')
@@ -312,7 +312,7 @@ class EightyColumns(RingTest):
         daemons = self.start_ring(nodes)
         for node in range(2, 20):
             daemons[node].send_signal(signal.SIGSTOP)
-        top = self.ctl('top', '--once', '--interval', '0.1')  # two seconds for each of them, twice, would be too long
+        top = self.ctl('status', '--watch', '--once', '--interval', '0.1')  # two seconds for each of them, twice, would be too long
         self.assertEqual(top.returncode, 0, top.stderr)
         self.assertEqual(top.stdout.count('frozen'), 18)
 

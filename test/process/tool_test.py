@@ -208,7 +208,7 @@ class Tools(RingTest):
 
     def test_what_nobody_reads_any_more_ends_also_on_a_quiet_ring(self):
         self.start_ring(plain_nodes(2))
-        for words in (['observe', '0', '--kinds', 'cpu'], ['dump', '0', '--kind', 'interrupt']):
+        for words in (['traffic', 'events', '0', '--kinds', 'cpu'], ['traffic', 'show', '0', '--kind', 'interrupt']):
             command = [ring_process.program('ringctl'), '--ring', self.ring] + words
             shown = subprocess.Popen(command, env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                      stderr=subprocess.DEVNULL)

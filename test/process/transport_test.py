@@ -72,7 +72,7 @@ class Transport(RingTest):
             self.assertEqual([row['state'] for row in rows], ['up'] * 4)
             self.assertEqual([row.get('elsewhere', False) for row in rows], [False, False, True, True]
                              if host == here else [True, True, False, False])
-            self.assertIn('4 of 4 nodes up', self.ctl('top', '--once', '--interval', '0.1').stdout)
+            self.assertIn('4 of 4 nodes up', self.ctl('status', '--watch', '--once', '--interval', '0.1').stdout)
         daemons[0].kill()
         gone = self.ctl('wait', 'node0', 'down', '--timeout', 30)
         self.assertEqual(gone.returncode, 0, gone.stderr)

@@ -59,7 +59,7 @@ class Nodes(VirtualTest, FaultTest):
     def test_clearing_says_that_the_clock_stands(self):
         self.up(plain_nodes(3))
         self.begin('kill', 'node2')
-        self.assertEqual(self.ctl('pause').returncode, 0)
+        self.assertEqual(self.ctl('clock', 'pause').returncode, 0)
         said = self.ctl('fault', 'clear', '--timeout', 1)
         self.assertEqual(said.returncode, 1)
         self.assertIn('the virtual clock of ring %s stands' % self.ring, said.stderr)
@@ -167,7 +167,7 @@ class Nodes(VirtualTest, FaultTest):
     def test_clear_waits_no_longer_than_its_timeout(self):
         self.up(plain_nodes(3))
         self.ring_ctl('fault', 'kill', 'node1')
-        self.ring_ctl('pause')
+        self.ring_ctl('clock', 'pause')
         done = self.ctl('--ring', self.ring, 'fault', 'clear', '--timeout', '0.3')
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
         self.assertIn('has not joined the ring within 300 ms', done.stderr)

@@ -17,7 +17,7 @@ class Virtual(VirtualTest):
         self.assertEqual({row['pid'] for row in rows}, {rows[0]['pid']})
         self.assertEqual([row['state'] for row in rows], ['up'] * 4)
         self.assertIn('delivered', self.ring_ctl('send', '--from', '0', '--to', '2', '--data', 'hello'))
-        self.ring_ctl('sync', '--from', '0')
+        self.ring_ctl('clock', 'sync', '--from', '0')
         self.ring_ctl('wait', 'up', '--timeout', 60)  # a stop reaches the CPUs that have booted
         self.ring_ctl('stop')
         self.assertRegex(self.ring_ctl('status'), r'(?m)^ *1 .* latched ')
@@ -69,15 +69,15 @@ class Virtual(VirtualTest):
         row = [row for row in self.ctl_json('list') if row['ring'] == self.ring][0]
         self.assertEqual((row['nodes'], row['clock'], row['pace']), (4, 'virtual', 2))
         self.assertGreaterEqual(row['now_s'], clock['now_s'])
-        top = self.ctl_json('--ring', self.ring, 'top', '--once', '--interval', '0.2')
+        top = self.ctl_json('--ring', self.ring, 'status', '--watch', '--once', '--interval', '0.2')
         self.assertGreater(top['clock']['now_s'], row['now_s'])
-        self.ring_ctl('pause')
-        self.assertIn('virtual clock stands at', self.ring_ctl('top', '--once', '--interval', '0.1'))
-        self.ring_ctl('run')
+        self.ring_ctl('clock', 'pause')
+        self.assertIn('virtual clock stands at', self.ring_ctl('status', '--watch', '--once', '--interval', '0.1'))
+        self.ring_ctl('clock', 'run')
 
     def test_rates_are_of_the_rings_time_and_its_lines_have_a_load(self):
         self.up(plain_nodes(3), '--pace', '20', timeouts={'beacon': '10ms'})
-        row = self.ctl_json('--ring', self.ring, 'top', '--once', '--interval', '0.5')['nodes'][1]
+        row = self.ctl_json('--ring', self.ring, 'status', '--watch', '--once', '--interval', '0.5')['nodes'][1]
         # Three nodes' beacons, a hundred in a second of the ring's time; twenty times as many in one of ours.
         self.assertTrue(250 < row['packets_per_second'] < 350, row)
         self.assertGreater(row['bytes_per_second'], 250 * 20)
@@ -115,13 +115,13 @@ class Virtual(VirtualTest):
     def test_a_replay_says_that_the_clock_stands(self):
         self.up(plain_nodes(3))
         path = os.path.join(self.folder, 'some.pcapng')
-        dump = self.start('dump', [ring_process.program('ringctl'), 'dump', '--kind', 'data', '-n', '1', '-w', path])
+        dump = self.start('dump', [ring_process.program('ringctl'), 'traffic', 'show', '--kind', 'data', '-n', '1', '-w', path])
         port = self.port(0)
         self.wait('the dump', lambda: port.wait(port.send(1, b'again')) and dump.poll() is not None)
-        self.ctl('pause')
-        replay = self.start('replay', [ring_process.program('ringctl'), 'replay', path])
-        self.wait('it to be said', lambda: 'ringctl run' in self.log_of(replay))
-        self.ctl('run')
+        self.ctl('clock', 'pause')
+        replay = self.start('replay', [ring_process.program('ringctl'), 'traffic', 'again', path])
+        self.wait('it to be said', lambda: 'ringctl clock run' in self.log_of(replay))
+        self.ctl('clock', 'run')
         self.assertEqual(self.wait_exit(replay), 0)
 
     def test_wrong_use_is_told(self):

@@ -1,4 +1,4 @@
-"""ringctl watch: a ring's promises judged from outside, and recordings that save themselves."""
+"""ringctl judge: a ring's promises judged from outside, and recordings that save themselves."""
 
 import glob
 import json
@@ -20,7 +20,7 @@ TAKEN = 2   # Observation::Kind
 
 class WatchingTest(RingTest):
     def watch(self, *arguments):
-        return self.start('watch', [program('ringctl'), 'watch', *arguments])
+        return self.start('watch', [program('ringctl'), 'judge', *arguments])
 
     def is_watched(self, node):
         return os.path.exists(os.path.join(self.ring_folder(), '%d.watch' % node))
@@ -67,7 +67,7 @@ class Watching(WatchingTest):
 
     def test_ends_by_itself_and_costs_nothing_afterwards(self):
         self.start_ring(plain_nodes(2))
-        done = self.ctl('watch', self.ring, '--for', 0.3, '--json')
+        done = self.ctl('judge', self.ring, '--for', 0.3, '--json')
         self.assertEqual(done.returncode, 0, done.stderr)
         told = json.loads(done.stdout)
         self.assertEqual((told['broken'], told['not_judged']), (0, 0))
@@ -87,7 +87,7 @@ class Watching(WatchingTest):
         for limit in 10, 12:  # of them one for each node, and for what a program needs
             def few_descriptors():
                 resource.setrlimit(resource.RLIMIT_NOFILE, (limit, limit))
-            done = self.ctl('watch', '--for', 0.5, preexec_fn=few_descriptors)
+            done = self.ctl('judge', '--for', 0.5, preexec_fn=few_descriptors)
             self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
             self.assertIn('Too many open files', done.stderr)
             self.assertNotIn('was kept', done.stdout)
@@ -95,12 +95,12 @@ class Watching(WatchingTest):
             self.assertRegex(done.stdout, 'nodes? not watched, and not judged')
 
     def test_without_a_ring_it_says_so(self):
-        self.assertEqual(self.ctl('watch', 'no_such_ring').returncode, 3)
+        self.assertEqual(self.ctl('judge', 'no_such_ring').returncode, 3)
 
     def test_a_node_that_cannot_be_watched_is_named_and_no_ring_that_is_missing(self):
         self.start_ring(plain_nodes(2))
         os.mkdir(os.path.join(self.ring_folder(), '1.watch'))   # where its file would be
-        done = self.ctl('watch', '--for', '30')
+        done = self.ctl('judge', '--for', '30')
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn('node 1: cannot make', done.stderr)
 
@@ -123,7 +123,7 @@ class Watching(WatchingTest):
         self.send_delivered(0, 2)
         saved = os.path.join(self.folder, 'saved')
         self.assertEqual(self.ctl('record', 'save', saved).returncode, 0)
-        done = self.run_program('ring_sim', 'replay', saved)
+        done = self.run_program('ringctl', 'record', 'check', saved)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn('promises: all kept; 50 sends', done.stdout)
 
@@ -168,7 +168,7 @@ class SavedByThemselves(WatchingTest):
         return sorted(os.listdir(self.saves)) if os.path.isdir(self.saves) else []
 
     def replay(self, folder):
-        done = self.run_program('ring_sim', 'replay', folder)
+        done = self.run_program('ringctl', 'record', 'check', folder)
         self.assertEqual(done.returncode, 0, done.stdout)
 
     def read(self, log):

@@ -96,14 +96,14 @@ def test_what_the_own_function_of_find_raises_at_stays(ring):
 @pytest.mark.ring(RING, clock='virtual')
 def test_a_signal_is_heard_where_a_virtual_ring_is_paused(ring, alarms):
     cpu, tool, knee = ring.port('body', role='cpu', lockstep=True), ring.port('body'), ring.port('knee')
-    ring.ctl('pause')
+    ring.ctl('clock', 'pause')
     stands = tool.now()
     disturb(lambda: tool.sleep_until(stands + 3600), lambda: waits_at(tool))
     disturb(lambda: cpu.receive(0.2), lambda: waits_at(cpu))
     disturb(lambda: cpu.sleep_until(3600), lambda: waits_at(cpu))
     disturb(lambda: cpu.send(2, b'only in its turn'), lambda: None)
     assert tool.now() == stands
-    ring.ctl('run')
+    ring.ctl('clock', 'run')
     assert cpu.wait(cpu.send(2, b'x')).outcome == 'delivered'
     knee.send(0, b'hello')
     assert cpu.next_of(Packet).data == b'hello'

@@ -53,7 +53,7 @@ class Machines(HostsTest):
 
     def write_machines(self):
         """What ringctl prints, with the port and for each host its own surroundings."""
-        printed = self.on('waist', 'machines', self.config, '--user', self.ssh.user)
+        printed = self.on('waist', 'hosts', 'launch', self.config, '--user', self.ssh.user)
         file = xml.etree.ElementTree.ElementTree(xml.etree.ElementTree.fromstring(printed))
         for machine in file.iter('machine'):
             host = machine.get('name')

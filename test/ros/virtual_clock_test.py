@@ -64,8 +64,8 @@ class VirtualClock(unittest.TestCase):
     def test_services_say_that_the_clock_stands(self):
         ringctl = ['rosrun', 'limb_ring', 'ringctl', '--ring', rospy.get_param('ring_bridge/ring')]
         rospy.wait_for_service('reset_node', 30)
-        wait_for(lambda: subprocess.call(ringctl + ['pause']) == 0, 'the ring')
-        self.addCleanup(subprocess.call, ringctl + ['run'])
+        wait_for(lambda: subprocess.call(ringctl + ['clock', 'pause']) == 0, 'the ring')
+        self.addCleanup(subprocess.call, ringctl + ['clock', 'run'])
         answer = rospy.ServiceProxy('reset_node', ResetNode)(node='knee')
         self.assertFalse(answer.success)
         self.assertIn('the virtual clock of ring', answer.message)

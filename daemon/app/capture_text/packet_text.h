@@ -8,7 +8,7 @@
 
 namespace limb_ring::app {
 
-/// How `ringctl dump` shows times, as candump's -t.
+/// How `ringctl traffic show` shows times, as candump's -t.
 enum class Stamps : char { absolute = 'a', delta = 'd', zero = 'z' };
 
 struct PacketTextOptions {

@@ -117,14 +117,12 @@ int run_command_line(int argc, char** argv) {
   CLI::App app("The ring of limb_ring under a virtual clock: the very core that ringd runs.", "ring_sim");
   app.footer(kExitCodesHelp);
   app.require_subcommand(1);
-  add_table(app, context);
   add_run(app, context);
-  add_compare(app, context);
-  add_compare_traces(app, context);
   add_plan(app, context);
-  add_replay(app, context);
-  add_soak(app, context);
-  add_explore(app, context);
+  add_compare(app, context);
+  for (const auto add : {add_table, add_compare_traces, add_soak, add_explore}) add(app, context);
+  for (const char* name : {"table", "compare-traces", "soak", "explore"})
+    app.get_subcommand(name)->group("For those who change limb_ring");
   if (const auto end = cli::parse(app, argc, argv)) return *end;
   return act(context, argc, argv);
 }

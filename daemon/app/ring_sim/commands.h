@@ -35,6 +35,5 @@ void add_explore(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);
 void add_compare_traces(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
-void add_replay(CLI::App& app, Context& context);
 
 }  // namespace limb_ring::ring_sim

@@ -7,17 +7,16 @@ namespace limb_ring::ring_sim {
 /// What ring_sim ends with; every --help says so too.
 enum ExitCode : int {
   kDone = 0,
-  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, the replay of a
-  /// recording differs from it, gnuplot is missing or fails, a disk is full, or somebody has asked it to end before all
-  /// was done.
+  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, gnuplot is missing or fails, a
+  /// disk is full, or somebody has asked it to end before all was done.
   kBroken = 1,
   /// Wrong arguments, a configuration that is refused, or a folder that cannot be written.
   kUsage = 2
 };
 
 constexpr const char* kExitCodesHelp =
-    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, the "
-    "replay of a recording differs from it, gnuplot is missing or fails, a disk is full, or it was interrupted; 2 "
+    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, "
+    "gnuplot is missing or fails, a disk is full, or it was interrupted; 2 "
     "wrong arguments or configuration, or a folder that cannot be written.";
 
 /// Ends ring_sim with kUsage.

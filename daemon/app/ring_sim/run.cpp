@@ -91,7 +91,7 @@ void add_run(CLI::App& app, Context& context) {
       "output, and what else it says goes to standard error");
   CLI::Option* capture = command->add_option(
       "--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark; - as of --trace");
-  command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
+  command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl traffic why' needs that")
       ->needs(capture);
   add_format(*command, options->format);
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });

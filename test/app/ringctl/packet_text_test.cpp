@@ -1,4 +1,4 @@
-// The lines of `ringctl dump`.
+// The lines of `ringctl traffic show`.
 #include "app/capture_text/packet_text.h"
 #include "app/ringctl/live_dump.h"
 

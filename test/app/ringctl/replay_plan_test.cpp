@@ -75,7 +75,7 @@ TEST_F(Plan, LeavesControlBrokenAndRepeatedPacketsOut) {
   EXPECT_EQ(made.broken, 1u);
 }
 
-/// `ringctl replay` of a capture whose two packets are a year apart, where no ring runs.
+/// `ringctl traffic again` of a capture whose two packets are a year apart, where no ring runs.
 class ReplayOfAYear : public test::OwnFolder {
  protected:
   ReplayOfAYear() {
@@ -93,11 +93,11 @@ class ReplayOfAYear : public test::OwnFolder {
 };
 
 TEST_F(ReplayOfAYear, IsRefusedWhereItWouldLastLonger) {
-  const CliRun said = ringctl({"replay", path, "--speed", "0.001"});
+  const CliRun said = ringctl({"traffic", "again", path, "--speed", "0.001"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, testing::HasSubstr(path + ": "));
   EXPECT_THAT(said.errors, testing::HasSubstr("--speed"));
-  EXPECT_EQ(ringctl({"replay", path, "--speed", "2"}).code, kNoRing);
+  EXPECT_EQ(ringctl({"traffic", "again", path, "--speed", "2"}).code, kNoRing);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// ringctl trace, on captures of ring_sim's cases.
+// ringctl traffic why, on captures of ring_sim's cases.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ class Trace : public test::OwnFolder {
   }
 
   static CliRun trace(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), "trace");
+    arguments.insert(arguments.begin(), {"traffic", "why"});
     return ringctl(std::move(arguments));
   }
 };
@@ -151,7 +151,8 @@ TEST_F(Trace, OfACaptureWhoseTimesDoNotFitIsRefused) {
 
 /// All that read a capture: what they say of it, none of them with a ring.
 std::vector<std::string> what_readers_say(const std::string& path) {
-  return {ringctl({"trace", path}).errors, ringctl({"dump", "-r", path}).errors, ringctl({"replay", path}).errors};
+  return {ringctl({"traffic", "why", path}).errors, ringctl({"traffic", "show", "-r", path}).errors,
+          ringctl({"traffic", "again", path}).errors};
 }
 
 TEST_F(Trace, ACaptureThatEndsInTheMiddleIsToldByAllThatReadIt) {
@@ -190,7 +191,7 @@ TEST_F(Trace, AFullDiskIsNamedWithItsFile) {
   EXPECT_EQ(drawn.code, kNotDone);
   EXPECT_THAT(drawn.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));
   EXPECT_THAT(drawn.out, HasSubstr("node0 -> node2  DATP")) << "what was found is printed all the same";
-  const CliRun copied = ringctl({"dump", "-r", path, "-w", "/dev/full"});
+  const CliRun copied = ringctl({"traffic", "show", "-r", path, "-w", "/dev/full"});
   EXPECT_EQ(copied.code, kNotDone);
   EXPECT_THAT(copied.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));
 }

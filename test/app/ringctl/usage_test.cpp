@@ -20,12 +20,28 @@ using ::testing::HasSubstr;
 
 using Usage = test::OwnFolder;
 
+/// Each command, as the shell is offered them: "up", "clock pace" ...
+std::vector<std::vector<std::string>> all_commands(const std::vector<std::string>& above = {}) {
+  std::vector<std::string> next = above;
+  next.emplace_back();
+  std::vector<std::vector<std::string>> all;
+  for (const std::string& name : completed(ringctl, next)) {
+    if (name == "help") continue;
+    next.back() = name;
+    all.push_back(next);
+    const auto below = all_commands(next);
+    all.insert(all.end(), below.begin(), below.end());
+  }
+  return all;
+}
+
 TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
-  for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop", "reset", "ping",
-                              "keygen", "observe", "dump", "trace", "replay", "top", "wait"}) {
-    const CliRun said = ringctl({command, "--help"});
-    EXPECT_EQ(said.code, kDone) << command;
-    EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
+  for (const std::vector<std::string>& words : all_commands()) {
+    std::vector<std::string> with_help = words;
+    with_help.push_back("--help");
+    const CliRun said = ringctl(with_help);
+    EXPECT_EQ(said.code, kDone) << words.back();
+    EXPECT_THAT(said.out, AllOf(HasSubstr(words.back()), HasSubstr("Exit code: 0 done")));
   }
 }
 
@@ -68,7 +84,7 @@ TEST_F(Usage, OnAnotherHostTheRingIsNamedOnce) {
 }
 
 TEST_F(Usage, ARingIsNamedOnceByItsArgumentOrByTheOption) {
-  for (const char* command : {"status", "top", "watch"}) {
+  for (const char* command : {"status", "judge"}) {
     const CliRun two = ringctl({"--ring", "arm", command, "leg"});
     EXPECT_EQ(two.code, kUsage) << command;
     EXPECT_THAT(two.errors, HasSubstr("RING and --ring name two rings")) << command;
@@ -111,9 +127,29 @@ TEST_F(Usage, BadHexadecimalDigitIsNamed) {
   EXPECT_THAT(said.errors, HasSubstr("'g' at position 4"));
 }
 
+TEST_F(Usage, AnInterruptIsAPacketOrAnInputThatIsPulled) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
+      {{"interrupt", "--from", "0"}, "either FACTOR, with --to NODE, or --input N"},
+      {{"interrupt", "--from", "0", "1", "--input", "1"}, "either FACTOR, with --to NODE, or --input N"},
+      {{"interrupt", "--from", "0", "1"}, "--to is required"},
+      {{"interrupt", "--from", "0", "--to", "1", "--input", "1"}, "--to"}};
+  for (const auto& [arguments, about] : wrong) {
+    const CliRun said = ringctl(arguments);
+    EXPECT_EQ(said.code, kUsage) << about;
+    EXPECT_THAT(said.errors, HasSubstr(about));
+  }
+}
+
+TEST_F(Usage, OnlyStatusThatIsWatchedHasAnInterval) {
+  EXPECT_EQ(ringctl({"status", "--interval", "1"}).code, kUsage);
+  EXPECT_EQ(ringctl({"status", "--once"}).code, kUsage);
+  EXPECT_EQ(ringctl({"status", "--watch", "--pids"}).code, kUsage);
+  EXPECT_THAT(ringctl({"status", "--watch", "--json"}).errors, HasSubstr("--once"));
+}
+
 TEST_F(Usage, FactorsAndInputsEndAtSeven) {
   EXPECT_EQ(ringctl({"interrupt", "--from", "0", "--to", "1", "8"}).code, kUsage);
-  EXPECT_EQ(ringctl({"pull", "0", "8"}).code, kUsage);
+  EXPECT_EQ(ringctl({"interrupt", "--from", "0", "--input", "8"}).code, kUsage);
 }
 
 TEST_F(Usage, WhereNoRingRunsThatIsSaid) {
@@ -131,7 +167,7 @@ TEST_F(Usage, AFolderOfAnotherUserIsNotTakenForOneWithoutRings) {
 }
 
 TEST_F(Usage, RingThatDoesNotRunIsNamed) {
-  for (const char* command : {"status", "sync", "stop", "down"}) {
+  for (const char* command : {"status", "judge", "stop", "down"}) {
     const CliRun said = ringctl({command, "--ring", "legs"});
     EXPECT_EQ(said.code, kNoRing) << command;
     EXPECT_THAT(said.errors, HasSubstr("ring legs")) << command;
@@ -162,7 +198,7 @@ TEST_F(Usage, AFileIsNeverStandardOutputWhereThatHasTheReport) {
   const std::vector<std::vector<std::string>> all{
       {"up", "--nodes", "2", "--clock", "virtual", "--for", "0.001", "--capture", "-"},
       {"scenario", "run", "walk.yaml", "--virtual", "--log", "-"},
-      {"keygen", "-"}};
+      {"hosts", "key", "-"}};
   for (const auto& arguments : all) {
     const CliRun said = ringctl(arguments);
     EXPECT_EQ(said.code, kUsage) << arguments.front();
@@ -171,16 +207,16 @@ TEST_F(Usage, AFileIsNeverStandardOutputWhereThatHasTheReport) {
   }
 }
 
-TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
+TEST_F(Usage, TrafficWhySaysWhatIsWrongWithItsArguments) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
-      {{"trace"}, "either FILE, a capture, or --live"},
-      {{"trace", "walk.pcapng", "--live"}, "either FILE, a capture, or --live"},
-      {{"trace", "walk.pcapng", "--for", "5s"}, "with --live"},
-      {{"trace", "--live", "--for", "soon"}, "--for: 'soon' is not a time"},
-      {{"trace", "--live", "--at", "5ms"}, "--at"},
-      {{"trace", "walk.pcapng", "--sequence", "8"}, "--sequence"},
-      {{"trace", "walk.pcapng", "-n", "-1"}, "--count"},
-      {{"trace", "no_such.pcapng"}, "no_such.pcapng: cannot be read"}};
+      {{"traffic", "why"}, "either FILE, a capture, or --live"},
+      {{"traffic", "why", "walk.pcapng", "--live"}, "either FILE, a capture, or --live"},
+      {{"traffic", "why", "walk.pcapng", "--for", "5s"}, "with --live"},
+      {{"traffic", "why", "--live", "--for", "soon"}, "--for: 'soon' is not a time"},
+      {{"traffic", "why", "--live", "--at", "5ms"}, "--at"},
+      {{"traffic", "why", "walk.pcapng", "--sequence", "8"}, "--sequence"},
+      {{"traffic", "why", "walk.pcapng", "-n", "-1"}, "--count"},
+      {{"traffic", "why", "no_such.pcapng"}, "no_such.pcapng: cannot be read"}};
   for (const auto& [arguments, about] : wrong) {
     const CliRun said = ringctl(arguments);
     EXPECT_EQ(said.code, kUsage) << about;
@@ -188,14 +224,14 @@ TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
   }
 }
 
-TEST_F(Usage, TraceTakesAPlainNumberOfSecondsAsOthersDo) {
-  EXPECT_EQ(ringctl({"trace", "--live", "--for", "1"}).code, kNoRing);
+TEST_F(Usage, TrafficWhyTakesAPlainNumberOfSecondsAsOthersDo) {
+  EXPECT_EQ(ringctl({"traffic", "why", "--live", "--for", "1"}).code, kNoRing);
 }
 
-TEST_F(Usage, DumpDoesNotWriteOverTheFileThatItReads) {
+TEST_F(Usage, TrafficShowDoesNotWriteOverTheFileThatItReads) {
   write("walk.pcapng", "all that there is");
   const std::string file = folder + "/walk.pcapng", roundabout = folder + "/./walk.pcapng";
-  const CliRun said = ringctl({"dump", "-r", file, "-w", roundabout});
+  const CliRun said = ringctl({"traffic", "show", "-r", file, "-w", roundabout});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("name the same file"));
   EXPECT_EQ(std::filesystem::file_size(file), 17u);

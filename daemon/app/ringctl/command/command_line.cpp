@@ -23,6 +23,12 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description) 
   return command;
 }
 
+CLI::App& add_group(CLI::App& app, const char* name, const char* description) {
+  CLI::App* group = add_command(app, name, description);
+  group->require_subcommand(1);
+  return *group;
+}
+
 void add_json(CLI::App& command, bool& asked) { command.add_flag("--json", asked, "Print JSON, for programs"); }
 
 namespace {
@@ -34,26 +40,20 @@ void add_commands(CLI::App& app, Context& context) {
   add_status(app, context);
   add_wait(app, context);
   add_send(app, context);
+  add_ping(app, context);
   add_interrupt(app, context);
-  add_keygen(app, context);
-  add_pull(app, context);
-  add_sync(app, context);
+  add_reset(app, context);
   add_stop(app, context);
   add_resume(app, context);
-  add_reset(app, context);
   add_clock(app, context);
-  add_ping(app, context);
-  add_observe(app, context);
-  add_dump(app, context);
-  add_trace(app, context);
-  add_watch(app, context);
+  add_traffic(app, context);
+  add_judge(app, context);
   add_record(app, context);
-  add_replay(app, context);
-  add_top(app, context);
-  add_machines(app, context);
-  add_bench(app, context);
   add_fault(app, context);
   add_scenario(app, context);
+  add_hosts(app, context);
+  add_bench(app, context);
+  app.get_subcommand("bench")->group("For measurements");
 }
 
 int failed(const std::exception& problem, ExitCode code) {

@@ -20,6 +20,8 @@ struct Context {
 
 /// Adds a subcommand with the exit codes in its help. Its `--ring` is the global one.
 CLI::App* add_command(CLI::App& app, const char* name, const char* description);
+/// Adds a subcommand that has subcommands, of which one must be given.
+CLI::App& add_group(CLI::App& app, const char* name, const char* description);
 /// Adds the switch --json.
 void add_json(CLI::App& command, bool& json);
 
@@ -30,27 +32,20 @@ void add_list(CLI::App& app, Context& context);
 void add_status(CLI::App& app, Context& context);
 void add_wait(CLI::App& app, Context& context);
 void add_send(CLI::App& app, Context& context);
+void add_ping(CLI::App& app, Context& context);
 void add_interrupt(CLI::App& app, Context& context);
-void add_keygen(CLI::App& app, Context& context);
-void add_pull(CLI::App& app, Context& context);
-void add_sync(CLI::App& app, Context& context);
+void add_reset(CLI::App& app, Context& context);
 void add_stop(CLI::App& app, Context& context);
 void add_resume(CLI::App& app, Context& context);
-void add_reset(CLI::App& app, Context& context);
-void add_clock(CLI::App& app, Context& context);  ///< pace, pause, step, run
-void add_ping(CLI::App& app, Context& context);
-void add_observe(CLI::App& app, Context& context);
-void add_watch(CLI::App& app, Context& context);
-void add_dump(CLI::App& app, Context& context);
-void add_trace(CLI::App& app, Context& context);
-void add_record(CLI::App& app, Context& context);
-void add_replay(CLI::App& app, Context& context);
-void add_top(CLI::App& app, Context& context);
-void add_machines(CLI::App& app, Context& context);
-void add_bench(CLI::App& app, Context& context);
+void add_clock(CLI::App& app, Context& context);    ///< pace, pause, step, run, sync
+void add_traffic(CLI::App& app, Context& context);  ///< show, events, why, again
+void add_judge(CLI::App& app, Context& context);
+void add_record(CLI::App& app, Context& context);  ///< save, keep, check
 void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
 void add_scenario_list(CLI::App& scenario, Context& context);    ///< below `scenario`
 void add_scenario_shrink(CLI::App& scenario, Context& context);  ///< below `scenario`
+void add_hosts(CLI::App& app, Context& context);                 ///< key, launch
+void add_bench(CLI::App& app, Context& context);
 
 }  // namespace limb_ring::ringctl

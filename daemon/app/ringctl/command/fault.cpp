@@ -218,8 +218,7 @@ void add_keeping(CLI::App& faults, Context& context) {
 }  // namespace
 
 void add_fault(CLI::App& app, Context& context) {
-  CLI::App* faults = add_command(app, "fault", "Break the living ring on purpose, and mend it");
-  faults->require_subcommand(1);
+  CLI::App* faults = &add_group(app, "fault", "Break the living ring on purpose, and mend it");
   faults->footer(kFaultHelp + std::string(kExitCodesHelp));
   for (const fault::Word& word : fault::kWords) add_word(*faults, context, word);
   add_keeping(*faults, context);

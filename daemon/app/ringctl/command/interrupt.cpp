@@ -3,6 +3,7 @@
 
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
 #include "app/ringctl/ring_access.h"
 #include "cli/values.h"
@@ -13,31 +14,47 @@ namespace {
 
 struct InterruptOptions {
   std::string from, to;
-  unsigned factor = 0;
+  std::optional<unsigned> factor, input;
   bool force = false, json = false;
 };
 
-int run(const Context& context, const InterruptOptions& options) {
-  const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
+Sends send_packet(const RingAccess& ring, HostPort& port, const InterruptOptions& options) {
   const std::uint8_t to = ring.destination(options.to);
+  const auto send = [&] { return port.interrupt(to, static_cast<std::uint8_t>(*options.factor), options.force); };
+  return send_and_explain(port, ring, to, 1, send);
+}
+
+Sends pull_input(HostPort& port, unsigned input) {
+  return send_all(port, 1, [&] { return port.pull(static_cast<std::uint8_t>(input)); });
+}
+
+int run(const Context& context, const InterruptOptions& options) {
+  if (options.factor.has_value() == options.input.has_value())
+    throw UsageError("interrupt: either FACTOR, with --to NODE, or --input N, of the node --from");
+  if (options.factor && options.to.empty()) throw UsageError("interrupt: --to is required: NODE, or all");
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   HostPort port = ring.connect(ring.node(options.from));
-  const auto send = [&] { return port.interrupt(to, static_cast<std::uint8_t>(options.factor), options.force); };
-  return report(send_and_explain(port, ring, to, 1, send), options.json);
+  return report(options.input ? pull_input(port, *options.input) : send_packet(ring, port, options), options.json);
 }
 
 }  // namespace
 
 void add_interrupt(CLI::App& app, Context& context) {
   auto options = std::make_shared<InterruptOptions>();
-  CLI::App* command =
-      add_command(app, "interrupt", "Send an interrupt packet: pulls the pin of that number at its destination");
-  command->add_option("--from", options->from, "Node that sends, id or name")->required();
-  command->add_option("--to", options->to, "Node to interrupt, id or name, or all")->required();
+  CLI::App* command = add_command(app, "interrupt",
+                                  "Send an interrupt packet, which pulls the pin of that number at its destination; or "
+                                  "pull an interrupt input of a node, as a button or watchdog wired to it would");
+  command->add_option("--from", options->from, "Node that sends, or whose input it is, id or name")->required();
+  CLI::Option* to = command->add_option("--to", options->to, "Node to interrupt, id or name, or all");
   command
       ->add_option("FACTOR", options->factor, "0 to 7; unless configured otherwise 0 resets, 1 stops, 2 latches clocks")
-      ->required()
       ->transform(cli::whole(0, 7));
-  command->add_flag("--force", options->force, "Also where it would reset the CPUs of all nodes");
+  CLI::Option* force =
+      command->add_flag("--force", options->force, "Send a broadcast that would reset the CPUs of all nodes");
+  command->add_option("--input", options->input, "Pull this input instead, 0 to 7; the ring's file says where it leads")
+      ->transform(cli::whole(0, 7))
+      ->excludes(to)
+      ->excludes(force);
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }

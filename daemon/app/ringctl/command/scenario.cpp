@@ -71,7 +71,8 @@ std::ofstream open_output(const std::string& path, const std::vector<std::string
 
 std::ofstream open_capture(const ScenarioOptions& options) {
   if (options.capture.empty()) return {};
-  if (options.live) throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl dump'");
+  if (options.live)
+    throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl traffic show'");
   if (options.files.size() != 1) throw UsageError("--capture: one scenario at a time, its times begin at 0");
   return open_output(options.capture, options.files);
 }
@@ -225,7 +226,7 @@ void add_outputs(CLI::App& command, ScenarioOptions& options) {
   command.add_option("--junit", options.junit, "Write JUnit XML there");
   CLI::Option* capture =
       command.add_option("--capture", options.capture, "Write the packets on all lines there, as pcapng for Wireshark");
-  command.add_flag("--outputs", options.outputs, "Also as they leave each node: 'ringctl trace' needs that")
+  command.add_flag("--outputs", options.outputs, "Also as they leave each node: 'ringctl traffic why' needs that")
       ->needs(capture);
 }
 
@@ -247,8 +248,7 @@ void add_run(CLI::App& scenario, Context& context) {
 }  // namespace
 
 void add_scenario(CLI::App& app, Context& context) {
-  CLI::App* scenario = add_command(app, "scenario", "Faults by script, and whether the ring copes");
-  scenario->require_subcommand(1);
+  CLI::App* scenario = &add_group(app, "scenario", "Faults by script, and whether the ring copes");
   add_scenario_list(*scenario, context);
   add_scenario_shrink(*scenario, context);
   add_run(*scenario, context);

@@ -25,7 +25,7 @@ namespace {
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
-struct WatchOptions {
+struct JudgeOptions {
   std::string ring;
   double lasts_s = 0;
   bool json = false;
@@ -96,10 +96,10 @@ void print_end(const promises::JudgeCounts& counts, const std::vector<live::Prom
             << verdict(counts, unwatched.size()) << std::endl;
 }
 
-/// One run of `ringctl watch`, from its start to the end of the ring or of the user's patience.
-class WatchRun {
+/// One run of `ringctl judge`, from its start to the end of the ring or of the user's patience.
+class JudgeRun {
  public:
-  WatchRun(const RingAccess& ring, const WatchOptions& options)
+  JudgeRun(const RingAccess& ring, const JudgeOptions& options)
       : ring_(ring),
         options_(options),
         folder_(ring.ring()),
@@ -141,24 +141,24 @@ class WatchRun {
   }
 
   const RingAccess& ring_;
-  const WatchOptions& options_;
+  const JudgeOptions& options_;
   const RingFolder folder_;
   live::PromiseWatch watch_;
   const steady_clock::time_point began_ = steady_clock::now();
   std::uint64_t told_lost_ = 0;
 };
 
-int run(const Context& context, const WatchOptions& options) {
+int run(const Context& context, const JudgeOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(options.ring, context.ring));
-  return WatchRun(ring, options).run();
+  return JudgeRun(ring, options).run();
 }
 
 }  // namespace
 
-void add_watch(CLI::App& app, Context& context) {
-  auto options = std::make_shared<WatchOptions>();
+void add_judge(CLI::App& app, Context& context) {
+  auto options = std::make_shared<JudgeOptions>();
   CLI::App* command = add_command(
-      app, "watch",
+      app, "judge",
       "Judge a living ring's promises until Ctrl-C or the ring is taken down: what is delivered has arrived, once "
       "and in order, every send has one result, pins are pulled once, nothing circles; a "
       "line for each one that is broken, and then exit code 1, as where a node could not be watched");
