@@ -22,7 +22,7 @@ class Clock(RingTest):
         return self.ctl_json('--ring', self.ring, 'clock', *words)
 
     def refused(self, code, *words):
-        done = self.ctl('clock', *words)
+        done = self.ctl(*words)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stderr
 
@@ -102,16 +102,16 @@ class Clock(RingTest):
         self.wait('a minute of its time', lambda: self.clock('pace', 'max')['now_ns'] > before + 60000 * MS)
 
     def test_wrong_words_and_a_live_ring_are_refused(self):
-        self.assertIn("'0' is not a number, 0.001 to 1000", self.refused(2, 'pace', '0'))
-        self.assertIn('is not a time', self.refused(2, 'step', '0'))
-        self.refused(2, 'pace')
-        self.refused(2, 'step')
-        self.refused(3, 'pause', 'no_such_ring')
+        self.assertIn("'0' is not a number, 0.001 to 1000", self.refused(2, 'clock', 'pace', '0'))
+        self.assertIn('is not a time', self.refused(2, 'clock', 'step', '0'))
+        self.refused(2, 'clock', 'pace')
+        self.refused(2, 'clock', 'step')
+        self.refused(3, 'clock', 'pause', 'no_such_ring')
         done = self.ctl('up', self.write_ring(plain_nodes(3)), '--detach')
         self.addCleanup(self.ctl, 'down', self.ring)
         self.assertEqual(done.returncode, 0, done.stderr)
         for words in (('pause',), ('run',), ('step', '1ms'), ('pace', '2')):
-            self.assertIn('--clock virtual', self.refused(1, '--ring', self.ring, *words))
+            self.assertIn('--clock virtual', self.refused(1, '--ring', self.ring, 'clock', *words))
 
     def test_stopped_and_stepped_it_leaves_the_same_trace(self):
         def run(steer):
