@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/network_controller.h"
-#include "recorder/flight_recorder.h"
+#include "judge/flight_recorder.h"
 #include "support/packets.h"
 
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "app/common/rows.h"
 #include "load.h"
+#include "tools/common/rows.h"
 
 namespace limb_ring::hops {
 

@@ -5,12 +5,12 @@
 #include <iostream>
 
 #include "bare_loop.h"
-#include "cli/command_line.h"
-#include "cli/values.h"
 #include "core_ring.h"
 #include "hops_report.h"
 #include "load.h"
 #include "ns3_program.h"
+#include "tools/cli/command_line.h"
+#include "tools/cli/values.h"
 
 namespace {
 

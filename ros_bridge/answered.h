@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "live/ring_clock.h"
+#include "ring/ring_clock.h"
 #include "ros_bridge/ring_port.h"
 
 namespace limb_ring::bridge {

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "ask/resume_cpu.h"
+#include "ring/resume_cpu.h"
 
 namespace limb_ring::bridge {
 namespace {

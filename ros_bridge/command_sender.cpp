@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "ask/arrived.h"
 #include "limb_ring/payload/packet_type.h"
+#include "ring/arrived.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ask/error_counters.h"
+#include "ring/error_counters.h"
 
 namespace limb_ring::bridge {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "config/ring_config.h"
-#include "live/live_faults.h"
+#include "ring/live_faults.h"
 #include "ros_bridge/ring_port.h"
 #include "ros_bridge/two_names.h"
 

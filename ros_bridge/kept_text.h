@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "process/unique_fd.h"
+#include "io/unique_fd.h"
 
 namespace limb_ring::bridge {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ask/line_bytes.h"
+#include "ring/line_bytes.h"
 #include "ros_bridge/counter_growth.h"
 
 namespace limb_ring::bridge {

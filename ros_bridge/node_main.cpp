@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "cli/output.h"
-#include "cli/roff.h"
 #include "config/config_error.h"
-#include "process/standard_descriptors.h"
+#include "io/standard_descriptors.h"
+#include "tools/cli/output.h"
+#include "tools/cli/roff.h"
 
 namespace limb_ring::bridge {
 namespace {

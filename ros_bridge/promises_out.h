@@ -9,7 +9,7 @@
 
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
-#include "live/promise_watch.h"
+#include "ring/promise_watch.h"
 
 namespace limb_ring::bridge {
 

@@ -8,9 +8,9 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "process/back_off.h"
-#include "process/child.h"
-#include "process/signal_wait.h"
+#include "io/back_off.h"
+#include "io/child.h"
+#include "io/signal_wait.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "ask/known_stops.h"
-#include "ask/resume_cpu.h"
 #include "config/names.h"
+#include "ring/known_stops.h"
+#include "ring/resume_cpu.h"
 #include "ros_bridge/answered.h"
 #include "ros_bridge/service_request.h"
 

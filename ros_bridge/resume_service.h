@@ -7,8 +7,8 @@
 #include <future>
 #include <vector>
 
-#include "ask/resumed.h"
 #include "config/ring_config.h"
+#include "ring/resumed.h"
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/ring_port.h"
 #include "ros_bridge/two_names.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "ask/ring_words.h"
 #include "config/names.h"
+#include "ring/ring_words.h"
 
 namespace limb_ring::bridge {
 namespace {

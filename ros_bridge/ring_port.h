@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "io/wall_clock.h"
 #include "limb_ring/host_port.h"
-#include "process/wall_clock.h"
 #include "ros_bridge/periodic_calls.h"
 #include "ros_bridge/ros_clock.h"
 

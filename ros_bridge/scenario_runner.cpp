@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "process/program.h"
-#include "process/temporary_folder.h"
+#include "io/program.h"
+#include "io/temporary_folder.h"
 
 namespace limb_ring::bridge {
 

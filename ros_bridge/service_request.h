@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "ask/status_rows.h"
 #include "config/ring_config.h"
+#include "ring/status_rows.h"
 
 namespace limb_ring::bridge {
 

@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "ask/known_stops.h"
-#include "ask/reset_node.h"
-#include "ask/send_on.h"
-#include "live/connect_node.h"
+#include "ring/connect_node.h"
+#include "ring/known_stops.h"
+#include "ring/reset_node.h"
+#include "ring/send_on.h"
 #include "ros_bridge/answered.h"
 #include "ros_bridge/outcome_word.h"
 #include "ros_bridge/service_request.h"

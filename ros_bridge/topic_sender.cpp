@@ -1,7 +1,7 @@
 #include "ros_bridge/topic_sender.h"
 
-#include "ask/arrived.h"
 #include "limb_ring/payload/packet_type.h"
+#include "ring/arrived.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {

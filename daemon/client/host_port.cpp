@@ -8,7 +8,7 @@
 #include "client/arguments.h"
 #include "client/connection.h"
 #include "client/open_connection.h"
-#include "process/wall_clock.h"
+#include "io/wall_clock.h"
 #include "wire/outcome.h"
 
 namespace limb_ring {

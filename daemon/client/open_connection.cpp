@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "client/meanwhile.h"
+#include "io/unix_socket.h"
 #include "limb_ring/ring_directory.h"
-#include "process/unix_socket.h"
 
 namespace limb_ring::client {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "capture/pseudo_header.h"
 #include "client/arguments.h"
 #include "wire/interrupt_packet.h"
+#include "wire/pseudo_header.h"
 
 namespace limb_ring::client {
 

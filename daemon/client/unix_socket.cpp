@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "process/unix_socket.h"
+#include "io/unix_socket.h"
 
 namespace limb_ring::client {
 

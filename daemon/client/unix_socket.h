@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "client/stream_buffer.h"
-#include "process/unique_fd.h"
+#include "io/unique_fd.h"
 
 namespace limb_ring::client {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sim/packet_collector.h"
+#include "judge/packet_collector.h"
 #include "sim/ring_record.h"
 
 namespace limb_ring::sim {

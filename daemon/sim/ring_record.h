@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "sim/due_pins.h"
-#include "sim/forwarding_checker.h"
-#include "sim/ledger.h"
-#include "sim/receive_buffers.h"
-#include "sim/receiver_model.h"
-#include "sim/result_judge.h"
+#include "judge/due_pins.h"
+#include "judge/forwarding_checker.h"
+#include "judge/ledger.h"
+#include "judge/receive_buffers.h"
+#include "judge/receiver_model.h"
+#include "judge/sent_judge.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::sim {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/network_controller.h"
+#include "judge/ledger.h"
 #include "sim/delay_line.h"
 #include "sim/node_set.h"
 #include "sim/observer.h"
@@ -42,8 +43,8 @@ struct NodeLog {
 class VirtualRing {
  public:
   /// The owner of what send(), interrupt() and pull() ask for: no client of a host port has this number
-  /// (runtime/send_owner.h).
-  static constexpr core::Owner kUser = 0xFFFFFF04;
+  /// (node/send_owner.h).
+  static constexpr core::Owner kUser = kAskedByRing;
 
   explicit VirtualRing(const VirtualRingOptions& options);
 

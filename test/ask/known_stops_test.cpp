@@ -1,5 +1,5 @@
 // What is said of each node after a stop, out of the daemons' status rows.
-#include "ask/known_stops.h"
+#include "ring/known_stops.h"
 
 #include <gmock/gmock.h>
 

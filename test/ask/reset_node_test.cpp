@@ -1,5 +1,5 @@
 // What the other daemons know of a reset that could not be confirmed: node 12 (knee) of a ring of four.
-#include "ask/reset_node.h"
+#include "ring/reset_node.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // A stop that one node has sent is sent on by others.
-#include "ask/send_on.h"
+#include "ring/send_on.h"
 
 #include <gmock/gmock.h>
 

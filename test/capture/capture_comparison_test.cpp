@@ -1,5 +1,5 @@
 // Where two captures part: `ring_sim compare-traces`.
-#include "capture/capture_comparison.h"
+#include "wire/capture_comparison.h"
 
 #include <gtest/gtest.h>
 

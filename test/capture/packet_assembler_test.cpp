@@ -1,4 +1,4 @@
-#include "capture/packet_assembler.h"
+#include "wire/packet_assembler.h"
 
 #include <gmock/gmock.h>
 

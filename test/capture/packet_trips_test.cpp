@@ -1,5 +1,5 @@
 // Whose sightings and tries belong together, where numbers come again.
-#include "capture/traced_ring.h"
+#include "wire/traced_ring.h"
 
 #include <gmock/gmock.h>
 

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "capture/packet_view.h"
 #include "support/packets.h"
 #include "support/view.h"
+#include "wire/packet_view.h"
 
 namespace limb_ring::test {
 

@@ -3,9 +3,9 @@
 #include <sstream>
 
 #include "capture/packets.h"
-#include "capture/pcapng_reader.h"
 #include "support/node_literal.h"
 #include "support/thrown.h"
+#include "wire/pcapng_reader.h"
 
 namespace limb_ring::capture {
 namespace {

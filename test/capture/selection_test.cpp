@@ -1,4 +1,4 @@
-#include "capture/selection.h"
+#include "wire/selection.h"
 
 #include <string>
 

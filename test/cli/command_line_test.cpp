@@ -1,9 +1,9 @@
 // What every program says to a command line that is wrong, and to one that asks.
-#include "cli/command_line.h"
+#include "tools/cli/command_line.h"
 
 #include <gmock/gmock.h>
 
-#include "cli/values.h"
+#include "tools/cli/values.h"
 
 namespace limb_ring::cli {
 namespace {

@@ -1,9 +1,9 @@
 // What a shell is told may stand next on a command line.
-#include "cli/completion.h"
+#include "tools/cli/completion.h"
 
 #include <gmock/gmock.h>
 
-#include "cli/command_line.h"
+#include "tools/cli/command_line.h"
 
 namespace limb_ring::cli {
 namespace {

@@ -1,10 +1,10 @@
 // The man page that a program writes of itself.
-#include "cli/man_page.h"
+#include "tools/cli/man_page.h"
 
 #include <gmock/gmock.h>
 
-#include "cli/command_line.h"
-#include "cli/roff.h"
+#include "tools/cli/command_line.h"
+#include "tools/cli/roff.h"
 
 namespace limb_ring::cli {
 namespace {

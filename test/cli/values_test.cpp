@@ -1,4 +1,4 @@
-#include "cli/values.h"
+#include "tools/cli/values.h"
 
 #include <gmock/gmock.h>
 

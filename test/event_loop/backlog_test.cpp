@@ -1,4 +1,4 @@
-#include "event_loop/backlog.h"
+#include "io/backlog.h"
 
 #include <gtest/gtest.h>
 

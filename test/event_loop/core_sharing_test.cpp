@@ -1,4 +1,4 @@
-#include "event_loop/core_sharing.h"
+#include "io/core_sharing.h"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -1,4 +1,4 @@
-#include "event_loop/packet_loop.h"
+#include "io/packet_loop.h"
 
 #include <gtest/gtest.h>
 #include <sys/epoll.h>
@@ -8,8 +8,8 @@
 #include <string>
 
 #include "event_loop/on_one_core.h"
-#include "event_loop/packet_timer.h"
-#include "process/unique_fd.h"
+#include "io/packet_timer.h"
+#include "io/unique_fd.h"
 
 namespace limb_ring::event_loop {
 namespace {

@@ -1,10 +1,10 @@
-#include "event_loop/ticker.h"
+#include "io/ticker.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "event_loop/shared_timer.h"
+#include "io/shared_timer.h"
 
 namespace limb_ring::event_loop {
 namespace {

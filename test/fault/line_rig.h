@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "fault/line_faults.h"
-#include "fault/parse.h"
+#include "config/fault_parse.h"
+#include "config/line_faults.h"
 #include "support/node_literal.h"
 #include "support/packets.h"
 

@@ -1,4 +1,4 @@
-#include "firmware/command_filter.h"
+#include "tools/firmware/command_filter.h"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "firmware/fault_command.h"
+#include "tools/firmware/fault_command.h"
 
 #include <string>
 

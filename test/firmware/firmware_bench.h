@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "firmware/timestamps.h"
 #include "limb_ring/payload/joint_command.h"
+#include "tools/firmware/timestamps.h"
 
 namespace limb_ring::firmware::bench {
 

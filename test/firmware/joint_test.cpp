@@ -1,4 +1,4 @@
-#include "firmware/joint.h"
+#include "tools/firmware/joint.h"
 
 #include <gtest/gtest.h>
 

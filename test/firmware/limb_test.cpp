@@ -1,4 +1,4 @@
-#include "firmware/limb.h"
+#include "tools/firmware/limb.h"
 
 #include <stdexcept>
 

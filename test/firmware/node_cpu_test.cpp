@@ -1,4 +1,4 @@
-#include "firmware/node_cpu.h"
+#include "tools/firmware/node_cpu.h"
 
 #include <gmock/gmock.h>
 

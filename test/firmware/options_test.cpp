@@ -1,4 +1,4 @@
-#include "firmware/options.h"
+#include "tools/firmware/options.h"
 
 #include <cstdlib>
 #include <initializer_list>
@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 
 #include "config/config_error.h"
-#include "firmware/node_setup.h"
 #include "support/temporary_folder.h"
+#include "tools/firmware/node_setup.h"
 
 namespace limb_ring::firmware {
 namespace {

@@ -1,4 +1,4 @@
-#include "firmware/periodic.h"
+#include "tools/firmware/periodic.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "firmware/servo.h"
+#include "tools/firmware/servo.h"
 
 #include <algorithm>
 #include <cmath>

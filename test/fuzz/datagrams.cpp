@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "fuzz/fuzz.h"
-#include "link/datagram_input.h"
+#include "io/datagram_input.h"
 
 using namespace limb_ring;
 

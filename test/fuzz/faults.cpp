@@ -1,6 +1,6 @@
 // Faults as people write them; what is understood is written back as the same fault.
+#include "config/fault_parse.h"
 #include "config/quantity.h"
-#include "fault/parse.h"
 #include "fuzz/fuzz.h"
 
 using namespace limb_ring;

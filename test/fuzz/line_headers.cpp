@@ -1,6 +1,6 @@
 // Handshakes of UNIX and UDP lines, and the headers of datagrams.
 #include "fuzz/fuzz.h"
-#include "link/link_header.h"
+#include "io/link_header.h"
 
 using namespace limb_ring;
 

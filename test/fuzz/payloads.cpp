@@ -1,11 +1,11 @@
 // What CPUs put into packets: joint states and commands, sensor readings, orders to a firmware.
-#include "firmware/fault_command.h"
 #include "fuzz/fuzz.h"
 #include "limb_ring/payload/announcement.h"
 #include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
 #include "limb_ring/payload/sensor_reading.h"
+#include "tools/firmware/fault_command.h"
 
 using namespace limb_ring;
 

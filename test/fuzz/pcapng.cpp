@@ -1,8 +1,8 @@
 // A capture file.
 #include <sstream>
 
-#include "capture/pcapng_reader.h"
 #include "fuzz/fuzz.h"
+#include "wire/pcapng_reader.h"
 
 using namespace limb_ring;
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "fuzz/fuzz.h"
-#include "recorder/flight_recorder.h"
-#include "recorder/recording.h"
-#include "recorder/replay.h"
+#include "judge/flight_recorder.h"
+#include "judge/recording.h"
+#include "judge/replay.h"
 #include "wire/checksum.h"
 
 using namespace limb_ring;

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "fuzz/fuzz.h"
-#include "recorder/record_reader.h"
-#include "recorder/record_writer.h"
+#include "judge/record_reader.h"
+#include "judge/record_writer.h"
 
 using namespace limb_ring;
 using recorder::Record;

@@ -2,8 +2,8 @@
 #include "client/arguments.h"
 #include "config/load_ring.h"
 #include "fuzz/fuzz.h"
-#include "runtime/observe_filter.h"
-#include "runtime/request_fields.h"
+#include "node/observe_filter.h"
+#include "node/request_fields.h"
 
 using namespace limb_ring;
 

@@ -1,6 +1,6 @@
 // A scenario's YAML file.
 #include "fuzz/fuzz.h"
-#include "scenario/load_scenario.h"
+#include "sim/load_scenario.h"
 
 using namespace limb_ring;
 

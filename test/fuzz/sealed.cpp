@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fuzz/fuzz.h"
-#include "link/seal.h"
+#include "io/seal.h"
 
 using namespace limb_ring;
 

@@ -1,4 +1,4 @@
-#include "host/client_turn.h"
+#include "node/client_turn.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/host_server.h"
 #include "limb_ring/ring_directory.h"
+#include "node/host_server.h"
 #include "support/run_until.h"
 #include "support/runtime_folder.h"
 

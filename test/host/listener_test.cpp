@@ -1,4 +1,4 @@
-#include "host/listener.h"
+#include "node/listener.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "host/node_lock.h"
+#include "node/node_lock.h"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>

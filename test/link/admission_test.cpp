@@ -1,4 +1,4 @@
-#include "link/admission.h"
+#include "io/admission.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "link/agreement.h"
+#include "io/agreement.h"
 
 #include <gtest/gtest.h>
 
-#include "link/admission.h"
+#include "io/admission.h"
 
 namespace limb_ring::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "link/datagram_input.h"
+#include "io/datagram_input.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

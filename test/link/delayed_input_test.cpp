@@ -1,4 +1,4 @@
-#include "link/delayed_input.h"
+#include "io/delayed_input.h"
 
 #include <gmock/gmock.h>
 

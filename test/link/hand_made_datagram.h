@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "link/link_header.h"
+#include "io/link_header.h"
 
 namespace limb_ring::link {
 

@@ -1,8 +1,8 @@
-#include "link/link_header.h"
+#include "io/link_header.h"
 
 #include <gmock/gmock.h>
 
-#include "link/endpoint.h"
+#include "io/endpoint.h"
 
 namespace limb_ring::link {
 namespace {

@@ -5,10 +5,10 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 
-#include "link/input.h"
-#include "link/output.h"
+#include "io/input.h"
+#include "io/output.h"
+#include "io/udp_socket.h"
 #include "link/recording_handler.h"
-#include "link/udp_socket.h"
 #include "support/temporary_folder.h"
 
 namespace limb_ring::link {

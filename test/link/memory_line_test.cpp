@@ -5,10 +5,10 @@
 
 #include <random>
 
-#include "event_loop/unix_listener.h"
+#include "io/memory_queue.h"
+#include "io/unix_line_socket.h"
+#include "io/unix_listener.h"
 #include "link/link_rig.h"
-#include "link/memory_queue.h"
-#include "link/unix_socket.h"
 
 namespace limb_ring::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "link/memory_queue.h"
+#include "io/memory_queue.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

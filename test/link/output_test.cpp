@@ -1,13 +1,13 @@
-#include "link/output.h"
+#include "io/output.h"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 #include <stdexcept>
 
-#include "event_loop/unix_listener.h"
+#include "io/unix_line_socket.h"
+#include "io/unix_listener.h"
 #include "link/link_rig.h"
-#include "link/unix_socket.h"
 
 namespace limb_ring::link {
 namespace {

@@ -1,4 +1,4 @@
-#include "link/read_again.h"
+#include "io/read_again.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "link/input_handler.h"
-#include "link/output.h"
+#include "io/input_handler.h"
+#include "io/output.h"
 
 namespace limb_ring::link {
 

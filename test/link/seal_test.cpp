@@ -1,5 +1,5 @@
 // Keyed datagrams without a socket.
-#include "link/seal.h"
+#include "io/seal.h"
 
 #include <gtest/gtest.h>
 

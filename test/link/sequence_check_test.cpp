@@ -1,4 +1,4 @@
-#include "link/sequence_check.h"
+#include "io/sequence_check.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "link/silence.h"
+#include "io/silence.h"
 
 #include <gtest/gtest.h>
 

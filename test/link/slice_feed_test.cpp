@@ -1,4 +1,4 @@
-#include "link/slice_feed.h"
+#include "io/slice_feed.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "link/successor.h"
+#include "io/successor.h"
 
 #include <gmock/gmock.h>
 

@@ -5,9 +5,9 @@
 
 #include <boost/asio/post.hpp>
 
-#include "event_loop/unix_listener.h"
+#include "io/unix_line_socket.h"
+#include "io/unix_listener.h"
 #include "link/link_rig.h"
-#include "link/unix_socket.h"
 
 namespace limb_ring::link {
 namespace {

@@ -3,11 +3,11 @@
 #include <stdexcept>
 #include <thread>
 
+#include "io/link_header.h"
+#include "io/udp_batch.h"
+#include "io/unix_line_socket.h"
 #include "link/hand_made_datagram.h"
-#include "link/link_header.h"
 #include "link/link_rig.h"
-#include "link/udp_batch.h"
-#include "link/unix_socket.h"
 
 namespace limb_ring::link {
 namespace {

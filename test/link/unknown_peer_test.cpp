@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "link/link_header.h"
+#include "io/link_header.h"
+#include "io/unix_line_socket.h"
 #include "link/link_rig.h"
-#include "link/unix_socket.h"
 
 namespace limb_ring::link {
 namespace {

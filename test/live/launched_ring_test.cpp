@@ -1,5 +1,5 @@
 // A ring is launched with daemons that are no daemons, so that what goes wrong is chosen.
-#include "live/launched_ring.h"
+#include "ring/launched_ring.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 // What is known of daemons by the files in their ring's folder.
-#include "live/lock_files.h"
+#include "ring/lock_files.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -8,12 +8,12 @@
 #include <atomic>
 #include <thread>
 
-#include "host/node_lock.h"
+#include "io/lock_file.h"
+#include "io/node_notes.h"
 #include "limb_ring/ring_directory.h"
-#include "live/live_faults.h"
-#include "live/node_notes.h"
-#include "live/running_daemons.h"
-#include "process/lock_file.h"
+#include "node/node_lock.h"
+#include "ring/live_faults.h"
+#include "ring/running_daemons.h"
 #include "support/node_literal.h"
 #include "support/own_folder.h"
 #include "support/thrown.h"

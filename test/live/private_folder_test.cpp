@@ -1,4 +1,4 @@
-#include "live/private_folder.h"
+#include "ring/private_folder.h"
 
 #include <gtest/gtest.h>
 

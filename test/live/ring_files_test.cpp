@@ -1,4 +1,4 @@
-#include "live/ring_files.h"
+#include "ring/ring_files.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>

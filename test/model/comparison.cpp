@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "recorder/replay.h"
+#include "judge/replay.h"
 
 namespace limb_ring::model {
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "model/compared_ring.h"
-#include "sim_tools/mended_ring.h"
+#include "sim/mended_ring.h"
 #include "study/soak/random_faults.h"
 
 namespace limb_ring::model {

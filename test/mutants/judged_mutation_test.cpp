@@ -8,12 +8,12 @@
 #include <fstream>
 #include <random>
 
+#include "judge/recorder_file.h"
+#include "judge/replayed_promises.h"
 #include "mutants/mutation.h"
 #include "promises/judged_ring.h"
 #include "recorder/recorded_lives.h"
-#include "recorder/recorder_file.h"
-#include "recorder/replayed_promises.h"
-#include "sim_tools/mended_ring.h"
+#include "sim/mended_ring.h"
 
 namespace limb_ring::promises {
 namespace {

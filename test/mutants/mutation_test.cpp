@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mutants/mutation.h"
-#include "sim_tools/virtual_line_faults.h"
+#include "sim/virtual_line_faults.h"
 #include "study/explore/exploration.h"
 #include "study/soak/random_faults.h"
 

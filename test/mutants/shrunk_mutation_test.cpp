@@ -5,7 +5,7 @@
 #include <regex>
 
 #include "mutants/mutation.h"
-#include "scenario/load_scenario.h"
+#include "sim/load_scenario.h"
 #include "study/soak/shrunk_soak.h"
 
 namespace limb_ring::study {

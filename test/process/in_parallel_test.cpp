@@ -1,5 +1,5 @@
 // Work for several threads, also where the system has none to give.
-#include "process/in_parallel.h"
+#include "io/in_parallel.h"
 
 #include <gmock/gmock.h>
 #include <pthread.h>

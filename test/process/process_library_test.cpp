@@ -1,4 +1,4 @@
-// daemon/process: programs found and started, how they ended, what the kernel says of them.
+// daemon/io: programs found and started, how they ended, what the kernel says of them.
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/wait.h>
@@ -6,14 +6,14 @@
 #include <csignal>
 #include <filesystem>
 
-#include "process/back_off.h"
-#include "process/child.h"
-#include "process/exit_status.h"
-#include "process/find_program.h"
-#include "process/process_handle.h"
-#include "process/process_state.h"
-#include "process/spawn.h"
-#include "process/wall_clock.h"
+#include "io/back_off.h"
+#include "io/child.h"
+#include "io/exit_status.h"
+#include "io/find_program.h"
+#include "io/process_handle.h"
+#include "io/process_state.h"
+#include "io/spawn.h"
+#include "io/wall_clock.h"
 
 namespace limb_ring::process {
 namespace {

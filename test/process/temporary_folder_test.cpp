@@ -1,5 +1,5 @@
-// daemon/process: temporary folders, and what is left of them where their process was killed.
-#include "process/temporary_folder.h"
+// daemon/io: temporary folders, and what is left of them where their process was killed.
+#include "io/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/inotify.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "process/unique_fd.h"
+#include "io/unique_fd.h"
 #include "support/temporary_folder.h"
 
 namespace limb_ring::process {

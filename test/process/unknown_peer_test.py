@@ -9,8 +9,8 @@ import ring_process
 from ring_process import RingTest, free_udp_ports, plain_nodes
 from limb_ring import HostPortError, Observed
 
-LINK_HEADER = '>HBBQQIBB'  # daemon/link/link_header.h
-AGREEMENT_SIZE = 56        # daemon/link/agreement.h
+LINK_HEADER = '>HBBQQIBB'  # daemon/io/link_header.h
+AGREEMENT_SIZE = 56        # daemon/io/agreement.h
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = range(1, 7)
 WRONG_VERSION = 7
 

@@ -1,5 +1,5 @@
 // What a CPU has taken, by its credit.
-#include "program_stage/taken_packets.h"
+#include "node/taken_packets.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "promises/promise_judge.h"
+#include "judge/promise_judge.h"
 #include "wire/outcome.h"
 #include "wire/packet.h"
 

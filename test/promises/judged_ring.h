@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "promises/node_observer.h"
-#include "promises/promise_judge.h"
+#include "judge/node_observer.h"
+#include "judge/promise_judge.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::promises {

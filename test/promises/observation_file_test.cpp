@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "promises/observation_file.h"
+#include "judge/observation_file.h"
 
 namespace limb_ring::promises {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "recorder/abridged.h"
-#include "recorder/record_format.h"
-#include "recorder/record_reader.h"
-#include "recorder/record_writer.h"
+#include "judge/abridged.h"
+#include "judge/record_format.h"
+#include "judge/record_reader.h"
+#include "judge/record_writer.h"
 #include "support/packets.h"
 #include "support/view.h"
 

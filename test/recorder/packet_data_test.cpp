@@ -1,11 +1,11 @@
 // The data of packets that was left out of a recording: as another node has recorded it, or made up.
-#include "recorder/packet_data.h"
+#include "judge/packet_data.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "recorder/abridged.h"
+#include "judge/abridged.h"
 #include "support/packets.h"
 #include "support/view.h"
 

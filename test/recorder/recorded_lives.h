@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "recorder/flight_recorder.h"
-#include "recorder/recording.h"
-#include "recorder/replay.h"
+#include "judge/flight_recorder.h"
+#include "judge/recording.h"
+#include "judge/replay.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::recorder {

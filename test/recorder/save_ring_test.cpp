@@ -1,5 +1,5 @@
 // Recordings of a ring: saved, whatever one of them is; old saves go, and only those of the ring.
-#include "recorder/save_ring.h"
+#include "judge/save_ring.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <iterator>
 #include <set>
 
-#include "recorder/recorder_file.h"
+#include "judge/recorder_file.h"
 #include "sim/virtual_ring.h"
 #include "support/temporary_folder.h"
 

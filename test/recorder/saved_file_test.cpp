@@ -12,13 +12,13 @@
 #include <random>
 #include <sstream>
 
-#include "capture/pcapng_reader.h"
-#include "recorder/recorder_file.h"
-#include "recorder/replay_capture.h"
-#include "recorder/replayed_ring.h"
+#include "judge/recorder_file.h"
+#include "judge/replay_capture.h"
+#include "judge/replayed_ring.h"
 #include "sim/virtual_ring.h"
 #include "support/temporary_folder.h"
 #include "support/thrown.h"
+#include "wire/pcapng_reader.h"
 
 namespace limb_ring::recorder {
 namespace {

@@ -6,8 +6,8 @@
 #include <csignal>
 
 #include "config/ring_config.h"
-#include "host/node_lock.h"
 #include "limb_ring/ring_directory.h"
+#include "node/node_lock.h"
 
 namespace limb_ring::bridge {
 

@@ -1,5 +1,5 @@
 // A robot stays on: the daemon's clock a century after its start.
-#include "runtime/clock.h"
+#include "node/clock.h"
 
 #include <gtest/gtest.h>
 

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "event_loop/machine_clock.h"
-#include "process/process_state.h"
-#include "runtime/cpu/cpu_process.h"
+#include "io/machine_clock.h"
+#include "io/process_state.h"
+#include "node/cpu_process.h"
 #include "support/run_until.h"
 
 namespace limb_ring::runtime {

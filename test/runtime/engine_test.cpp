@@ -1,5 +1,5 @@
 // Two nodes in one process, on slow lines.
-#include "runtime/engine.h"
+#include "node/engine.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "config/core_settings.h"
 #include "config/load_ring.h"
-#include "setup/core_settings.h"
 #include "support/node_literal.h"
 #include "support/run_until.h"
 #include "support/temporary_folder.h"

@@ -1,9 +1,9 @@
 // What a fault does to a line between two ends that are really there.
-#include "runtime/faulty_line.h"
+#include "node/faulty_line.h"
 
 #include <gmock/gmock.h>
 
-#include "fault/parse.h"
+#include "config/fault_parse.h"
 #include "link/link_rig.h"
 #include "support/node_literal.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/lately_damaged.h"
+#include "node/lately_damaged.h"
 
 #include <gmock/gmock.h>
 

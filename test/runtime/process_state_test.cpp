@@ -1,4 +1,4 @@
-#include "process/process_state.h"
+#include "io/process_state.h"
 
 #include <gtest/gtest.h>
 #include <sys/ptrace.h>

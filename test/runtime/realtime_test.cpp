@@ -1,4 +1,4 @@
-#include "runtime/realtime.h"
+#include "node/realtime.h"
 
 #include <gmock/gmock.h>
 

@@ -1,9 +1,9 @@
 // What clients write in JSON, before anything of it is done.
-#include "runtime/request_fields.h"
+#include "node/request_fields.h"
 
 #include <gmock/gmock.h>
 
-#include "runtime/observe_filter.h"
+#include "node/observe_filter.h"
 
 namespace limb_ring::runtime {
 namespace {

@@ -1,4 +1,4 @@
-#include "runtime/cpu/silence_watch.h"
+#include "node/silence_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a scenario asks for that no live daemon can give, and that nothing else is refused.
-#include "scenario/only_virtual.h"
+#include "sim/only_virtual.h"
 
 #include "scenario/scenario_text.h"
 

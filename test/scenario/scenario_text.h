@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "scenario/load_scenario.h"
-#include "scenario/report.h"
+#include "sim/load_scenario.h"
+#include "sim/scenario_report.h"
 
 namespace limb_ring::scenario {
 

@@ -1,5 +1,5 @@
 // `ringctl scenario shrink`: the smallest scenario that misses the same expectation.
-#include "scenario/shrink.h"
+#include "sim/scenario_shrink.h"
 
 #include "scenario/scenario_text.h"
 #include "support/own_folder.h"

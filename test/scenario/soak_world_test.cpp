@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenario/only_virtual.h"
 #include "scenario/scenario_text.h"
-#include "scenario/shrink.h"
+#include "sim/only_virtual.h"
+#include "sim/scenario_shrink.h"
 
 namespace limb_ring::scenario {
 namespace {

@@ -1,5 +1,5 @@
 // What nodes must agree on, out of their rings' files.
-#include "setup/agreement.h"
+#include "node/agreement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a ring's configuration makes a network controller's settings.
-#include "setup/core_settings.h"
+#include "config/core_settings.h"
 
 #include <gtest/gtest.h>
 

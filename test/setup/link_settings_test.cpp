@@ -1,5 +1,5 @@
 // Where the nodes of several hosts listen for each other.
-#include "setup/link_settings.h"
+#include "node/link_settings.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a node must do with what others have sent, told to the checker packet by packet.
-#include "sim/forwarding_checker.h"
+#include "judge/forwarding_checker.h"
 #include "support/node_literal.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // Which send a packet on the line belongs to, as the soak and scenarios judge it.
-#include "sim/ledger.h"
+#include "judge/ledger.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "sim/packet_collector.h"
+#include "judge/packet_collector.h"
 
 #include <gtest/gtest.h>
 

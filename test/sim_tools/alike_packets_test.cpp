@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/invariants.h"
-#include "sim_tools/virtual_line_faults.h"
+#include "sim/virtual_line_faults.h"
 #include "support/node_literal.h"
 
 namespace limb_ring::sim {

@@ -1,13 +1,13 @@
-#include "sim_tools/ring_capture.h"
+#include "sim/ring_capture.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <sstream>
 
-#include "capture/pcapng_reader.h"
 #include "study/analysis/cases.h"
 #include "support/node_literal.h"
+#include "wire/pcapng_reader.h"
 
 namespace limb_ring::study {
 namespace {

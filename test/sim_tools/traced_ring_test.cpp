@@ -1,15 +1,15 @@
 // Why was it late: what is said of packets of virtual rings, where the true answer is known.
-#include "capture/traced_ring.h"
+#include "wire/traced_ring.h"
 
 #include <gmock/gmock.h>
 
 #include <sstream>
 
-#include "capture/pcapng_reader.h"
-#include "capture/trip_choice.h"
-#include "sim_tools/ring_capture.h"
+#include "sim/ring_capture.h"
 #include "study/analysis/cases.h"
 #include "support/node_literal.h"
+#include "wire/pcapng_reader.h"
+#include "wire/trip_choice.h"
 
 namespace limb_ring::study {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim_tools/virtual_line_faults.h"
+#include "sim/virtual_line_faults.h"
 
 #include <gtest/gtest.h>
 

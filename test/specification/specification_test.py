@@ -127,7 +127,7 @@ class Contents(unittest.TestCase):
 
     def counters(self, folder, pattern):
         return [name for path, text in texts()
-                if path.startswith(folder) and os.path.basename(path) == "counters.h"
+                if path.startswith(folder) and path.endswith("counters.h")
                 for name in re.findall(pattern, text)]
 
     def test_every_counter_of_the_network_controller_is_listed(self):
@@ -136,29 +136,29 @@ class Contents(unittest.TestCase):
         self.assertCountEqual(rows(section(self.page, "10.1")), counted)
 
     def test_every_counter_of_a_link_is_listed(self):
-        counted = self.counters(os.path.join("daemon", "link"), r'X\((\w+), "')
+        counted = self.counters(os.path.join("daemon", "io"), r'X\((\w+), "')
         self.assertGreater(len(counted), 20)
         self.assertCountEqual(rows(section(self.page, "10.2")) + rows(section(self.page, "10.3")), counted)
 
     def test_every_counter_of_faults_on_purpose_is_listed(self):
-        counted = re.findall(r'X\((\w+), "', read(os.path.join("daemon", "fault", "line_counters.h")))
+        counted = re.findall(r'X\((\w+), "', read(os.path.join("daemon", "config", "line_counters.h")))
         self.assertGreater(len(counted), 8)
         self.assertCountEqual(rows(section(self.page, "10.4")), counted)
 
     def test_every_counter_that_status_puts_beside_these_is_listed(self):
-        counted = re.findall(r'all\["(\w+)"\] = ', read(os.path.join("daemon", "runtime", "status.cpp")))
+        counted = re.findall(r'all\["(\w+)"\] = ', read(os.path.join("daemon", "node", "status.cpp")))
         self.assertGreater(len(counted), 6)
         self.assertCountEqual(rows(section(self.page, "10.5")), counted)
 
     def test_every_prefix_of_a_counter_is_explained(self):
-        status = read(os.path.join("daemon", "runtime", "status.cpp"))
+        status = read(os.path.join("daemon", "node", "status.cpp"))
         prefixes = re.findall(r'into\(all, "(\w+_)"\)', status)
         self.assertEqual(len(prefixes), 4)
         for prefix in prefixes:
             self.assertIn("`%s...`" % prefix, section(self.page, "10"))
 
     def test_every_counter_that_tells_of_an_error_is_one_of_these(self):
-        told = re.findall(r'\{Of::\w+, "(\w+)", ', read(os.path.join("daemon", "ask", "error_counters.cpp")))
+        told = re.findall(r'\{Of::\w+, "(\w+)", ', read(os.path.join("daemon", "ring", "error_counters.cpp")))
         self.assertGreater(len(told), 20)
         counted = rows(section(self.page, "10.1")) + rows(section(self.page, "10.5"))
         for prefix, number in (("input_", "10.2"), ("output_", "10.3")):

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/transmit/flight.h"
-#include "link/endpoint.h"
-#include "link/link_header.h"
+#include "io/endpoint.h"
+#include "io/link_header.h"
 #include "support/node_literal.h"
 #include "support/view.h"
 #include "wire/control_message.h"

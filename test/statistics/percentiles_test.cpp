@@ -1,4 +1,4 @@
-#include "statistics/percentiles.h"
+#include "judge/percentiles.h"
 
 #include <gtest/gtest.h>
 

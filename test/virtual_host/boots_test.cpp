@@ -1,5 +1,5 @@
 // CPUs of a virtual ring that boot: whom its clock waits for.
-#include "virtual_host/boots.h"
+#include "node/virtual_boots.h"
 
 #include <gtest/gtest.h>
 

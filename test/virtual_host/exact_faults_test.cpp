@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "config/load_ring.h"
-#include "sim_tools/planned_ring.h"
+#include "node/virtual_ring_host.h"
+#include "sim/planned_ring.h"
 #include "support/own_folder.h"
-#include "virtual_host/virtual_ring_host.h"
 
 namespace limb_ring::virtual_host {
 namespace {

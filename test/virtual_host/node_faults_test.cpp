@@ -1,4 +1,4 @@
-#include "virtual_host/node_faults.h"
+#include "node/virtual_node_faults.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "live/node_notes.h"
+#include "io/node_notes.h"
 #include "support/own_folder.h"
 
 namespace limb_ring::virtual_host {

@@ -1,4 +1,4 @@
-#include "virtual_host/pace.h"
+#include "node/virtual_pace.h"
 
 #include <gtest/gtest.h>
 

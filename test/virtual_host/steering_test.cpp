@@ -1,4 +1,4 @@
-#include "virtual_host/steering.h"
+#include "node/steering.h"
 
 #include <gmock/gmock.h>
 

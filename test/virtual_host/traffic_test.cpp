@@ -1,10 +1,10 @@
 // Traffic that the daemon itself makes, on a virtual ring.
-#include "runtime/traffic.h"
+#include "node/traffic.h"
 
 #include <gtest/gtest.h>
 
+#include "node/virtual_node.h"
 #include "support/node_literal.h"
-#include "virtual_host/virtual_node.h"
 
 namespace limb_ring::virtual_host {
 namespace {

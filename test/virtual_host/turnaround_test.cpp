@@ -1,4 +1,4 @@
-#include "virtual_host/turnaround.h"
+#include "node/turnaround.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

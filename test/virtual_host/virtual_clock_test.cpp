@@ -1,4 +1,4 @@
-#include "virtual_host/virtual_clock.h"
+#include "node/virtual_clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Who reaches whom in an open chain.
-#include "watchdog/reach.h"
+#include "config/reach.h"
 #include "support/node_literal.h"
 
 #include <gtest/gtest.h>

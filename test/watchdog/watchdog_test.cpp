@@ -1,5 +1,5 @@
 // The supervisor's rules under a made-up clock: what it finds, and what it orders.
-#include "watchdog/watchdog.h"
+#include "config/watchdog.h"
 
 #include <gmock/gmock.h>
 

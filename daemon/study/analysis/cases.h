@@ -4,7 +4,7 @@
 #include <ostream>
 #include <string>
 
-#include "sim_tools/ring_capture.h"
+#include "sim/ring_capture.h"
 #include "study/analysis/latency.h"
 #include "study/analysis/medium.h"
 

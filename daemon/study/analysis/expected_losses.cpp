@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "config/core_settings.h"
 #include "config/quantity.h"
-#include "setup/core_settings.h"
 
 namespace limb_ring::study {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "setup/core_settings.h"
+#include "config/core_settings.h"
 
 namespace limb_ring::study {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "statistics/percentiles.h"
+#include "judge/percentiles.h"
 
 namespace limb_ring::study {
 

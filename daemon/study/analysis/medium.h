@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/time.h"
-#include "sim_tools/planned_ring.h"
+#include "sim/planned_ring.h"
 #include "wire/data_packet.h"
 
 namespace limb_ring::study {

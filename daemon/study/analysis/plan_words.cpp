@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
+#include "config/core_settings.h"
 #include "config/quantity.h"
-#include "setup/core_settings.h"
 #include "study/analysis/expected_losses.h"
 #include "study/analysis/latency.h"
 #include "wire/data_packet.h"

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "config/core_settings.h"
 #include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/fragment.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
 #include "limb_ring/payload/sensor_reading.h"
-#include "setup/core_settings.h"
 #include "wire/control_message.h"
 
 namespace limb_ring::study {

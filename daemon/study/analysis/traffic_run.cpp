@@ -5,7 +5,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "sim_tools/planned_ring.h"
+#include "sim/planned_ring.h"
 
 namespace limb_ring::study {
 

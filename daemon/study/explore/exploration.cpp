@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "process/in_parallel.h"
+#include "io/in_parallel.h"
 
 namespace limb_ring::study {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim_tools/mended_ring.h"
+#include "sim/mended_ring.h"
 #include "study/explore/state_hash.h"
 
 namespace limb_ring::study {

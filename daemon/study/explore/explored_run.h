@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/invariants.h"
-#include "sim_tools/virtual_line_faults.h"
+#include "sim/virtual_line_faults.h"
 #include "study/explore/known_states.h"
 #include "study/explore/strike.h"
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/forwarding_checker.h"
+#include "judge/forwarding_checker.h"
 #include "sim/watched_ring.h"
 #include "study/analysis/model_ring.h"
 #include "study/analysis/ring_bounds.h"

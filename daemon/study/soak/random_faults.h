@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/invariants.h"
-#include "sim_tools/virtual_line_faults.h"
+#include "sim/virtual_line_faults.h"
 #include "study/soak/draws.h"
 #include "study/soak/soak_history.h"
 #include "study/soak/soak_world.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "config/fault_parse.h"
 #include "config/quantity.h"
-#include "fault/parse.h"
-#include "scenario/load_scenario.h"
+#include "sim/load_scenario.h"
 
 namespace limb_ring::study {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "scenario/shrink.h"
+#include "sim/scenario_shrink.h"
 #include "study/soak/random_faults.h"
 
 namespace limb_ring::study {

@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "scenario/scenario.h"
+#include "sim/scenario.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::study {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim_tools/mended_ring.h"
+#include "sim/mended_ring.h"
 
 namespace limb_ring::study {
 

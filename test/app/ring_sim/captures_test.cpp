@@ -6,10 +6,10 @@
 #include <sstream>
 #include <string>
 
-#include "app/common/out_file.h"
-#include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
 #include "support/own_folder.h"
+#include "tools/common/out_file.h"
+#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "app/completed_help.h"
-#include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
 #include "study/analysis/cases.h"
 #include "support/temporary_folder.h"
+#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 namespace {

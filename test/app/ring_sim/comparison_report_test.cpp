@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "app/ring_sim/comparison_report.h"
+#include "tools/ring_sim/comparison_report.h"
 
 namespace limb_ring::ring_sim {
 namespace {

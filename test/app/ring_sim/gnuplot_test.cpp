@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include "app/ring_sim/plot_folder.h"
-#include "app/ring_sim/plots/plots.h"
-#include "app/ring_sim/problems.h"
+#include "tools/ring_sim/plots/plots.h"
+#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -5,9 +5,9 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
-#include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
-#include "process/signal_wait.h"
+#include "io/signal_wait.h"
+#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "app/ring_sim/plots/picture.h"
+#include "tools/ring_sim/plots/picture.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
 #include "support/own_folder.h"
+#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 namespace {

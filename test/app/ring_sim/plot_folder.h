@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "app/ring_sim/plots/gnuplot.h"
 #include "support/own_folder.h"
 #include "support/thrown.h"
+#include "tools/ring_sim/plots/gnuplot.h"
 
 namespace limb_ring::ring_sim {
 

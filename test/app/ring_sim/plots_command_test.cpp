@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "app/ring_sim/plot_folder.h"
-#include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
+#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "app/ring_sim/command_line.h"
 #include "app/run_cli.h"
+#include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
 

@@ -1,16 +1,16 @@
 // Answers of daemons of another version, or of what is no ringd: named, and never read.
-#include "app/ringctl/answer_shape.h"
+#include "tools/ringctl/answer_shape.h"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 
-#include "app/ringctl/line_report.h"
-#include "app/ringctl/ring_watch.h"
-#include "app/ringctl/status_rows.h"
-#include "app/ringctl/status_table.h"
-#include "app/ringctl/supervision.h"
-#include "app/ringctl/top_table.h"
+#include "tools/ringctl/line_report.h"
+#include "tools/ringctl/ring_watch.h"
+#include "tools/ringctl/status_rows.h"
+#include "tools/ringctl/status_table.h"
+#include "tools/ringctl/supervision.h"
+#include "tools/ringctl/top_table.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -1,9 +1,9 @@
 // What ringctl says of faults, and of lines that are broken or noisy.
 #include <gmock/gmock.h>
 
-#include "app/ringctl/fault_table.h"
-#include "app/ringctl/line_report.h"
-#include "app/ringctl/status_rows.h"
+#include "tools/ringctl/fault_table.h"
+#include "tools/ringctl/line_report.h"
+#include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 namespace {

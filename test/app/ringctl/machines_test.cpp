@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
-#include "app/ringctl/machines_file.h"
 #include "config/load_ring.h"
+#include "tools/ringctl/machines_file.h"
 
 namespace limb_ring::ringctl {
 namespace {

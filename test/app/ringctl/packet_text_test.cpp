@@ -1,6 +1,6 @@
 // The lines of `ringctl traffic show`.
-#include "app/capture_text/packet_text.h"
-#include "app/ringctl/live_dump.h"
+#include "tools/capture_text/packet_text.h"
+#include "tools/ringctl/live_dump.h"
 
 #include <gmock/gmock.h>
 

@@ -1,14 +1,14 @@
-#include "app/ringctl/replay_plan.h"
+#include "tools/ringctl/replay_plan.h"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 #include <sstream>
 
-#include "app/ringctl/problems.h"
 #include "app/ringctl/run_ringctl.h"
 #include "capture/packets.h"
 #include "support/own_folder.h"
+#include "tools/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -4,16 +4,16 @@
 #include <set>
 #include <sstream>
 
-#include "app/common/text_table.h"
-#include "app/ringctl/clock_offsets.h"
-#include "app/ringctl/hex.h"
-#include "app/ringctl/line_delays.h"
-#include "app/ringctl/problems.h"
-#include "app/ringctl/refusal_counters.h"
-#include "app/ringctl/results.h"
-#include "app/ringctl/status_rows.h"
-#include "app/ringctl/status_table.h"
-#include "app/ringctl/supervision.h"
+#include "tools/common/text_table.h"
+#include "tools/ringctl/clock_offsets.h"
+#include "tools/ringctl/hex.h"
+#include "tools/ringctl/line_delays.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/refusal_counters.h"
+#include "tools/ringctl/results.h"
+#include "tools/ringctl/status_rows.h"
+#include "tools/ringctl/status_table.h"
+#include "tools/ringctl/supervision.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/command/command_line.h"
 #include "app/run_cli.h"
+#include "tools/ringctl/command/command_line.h"
 
 namespace limb_ring::ringctl {
 

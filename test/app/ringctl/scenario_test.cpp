@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/problems.h"
 #include "app/ringctl/run_ringctl.h"
 #include "support/own_folder.h"
+#include "tools/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
 namespace {

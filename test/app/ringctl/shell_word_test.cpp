@@ -1,4 +1,4 @@
-#include "app/common/shell_word.h"
+#include "tools/common/shell_word.h"
 
 #include <gtest/gtest.h>
 

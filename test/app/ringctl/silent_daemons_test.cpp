@@ -6,11 +6,11 @@
 #include <future>
 #include <thread>
 
-#include "app/ringctl/answers.h"
-#include "app/ringctl/problems.h"
 #include "client/fake_daemon.h"
 #include "support/own_folder.h"
 #include "support/thrown.h"
+#include "tools/ringctl/answers.h"
+#include "tools/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
 namespace {

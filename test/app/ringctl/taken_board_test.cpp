@@ -1,4 +1,4 @@
-#include "app/scenario_cpu/taken_board.h"
+#include "tools/scenario_cpu/taken_board.h"
 
 #include "support/own_folder.h"
 

@@ -1,11 +1,11 @@
-#include "app/ringctl/top_table.h"
+#include "tools/ringctl/top_table.h"
 
 #include <gmock/gmock.h>
 
 #include <cstdint>
 #include <sstream>
 
-#include "app/ringctl/ring_clock.h"
+#include "tools/ringctl/ring_clock.h"
 
 namespace limb_ring::ringctl {
 namespace {

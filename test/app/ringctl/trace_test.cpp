@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/problems.h"
 #include "app/ringctl/run_ringctl.h"
-#include "app/ringctl/trace_words.h"
 #include "study/analysis/cases.h"
 #include "support/own_folder.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/trace_words.h"
 
 namespace limb_ring::ringctl {
 namespace {

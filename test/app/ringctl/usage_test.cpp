@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "app/completed_help.h"
-#include "app/ringctl/other_host.h"
-#include "app/ringctl/problems.h"
 #include "app/ringctl/run_ringctl.h"
 #include "support/own_folder.h"
+#include "tools/ringctl/other_host.h"
+#include "tools/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
 namespace {

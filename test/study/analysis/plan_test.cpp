@@ -1,6 +1,6 @@
 #include "study/analysis/plan.h"
 
-#include "sim_tools/planned_ring.h"
+#include "sim/planned_ring.h"
 #include "study/analysis/small_ring.h"
 
 namespace limb_ring::study {

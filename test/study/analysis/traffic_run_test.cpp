@@ -4,7 +4,7 @@
 #include <random>
 
 #include "config/load_ring.h"
-#include "sim_tools/planned_ring.h"
+#include "sim/planned_ring.h"
 #include "study/analysis/small_ring.h"
 
 namespace limb_ring::study {

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/setup.h"
+#include "config/ring_config.h"
+#include "limb_ring/host_port.h"
+#include "ring/launched_ring.h"
+
+namespace limb_ring::bench {
+
+struct RingRequest {
+  std::string config;     ///< YAML file; empty: a plain ring
+  std::string transport;  ///< unix, shm or udp; empty: as the file says
+  Pinning pinning = Pinning::free;
+  bool record = false;  ///< the flight recorders are on
+};
+
+/// A ring of daemons of our own, beside ringctl's other rings; it ends with this object. Its
+/// sockets lie in the live::PrivateFolder that is in force.
+class PrivateRing {
+ public:
+  /// Returns when the ring is closed and its child CPUs run.
+  /// @throw std::runtime_error where it does not close, with what a daemon said last
+  PrivateRing(const Setup& setup, const RingRequest& request);
+  ~PrivateRing();
+  PrivateRing(const PrivateRing&) = delete;
+  PrivateRing& operator=(const PrivateRing&) = delete;
+
+  const std::string& name() const { return config_.ring; }
+  const config::RingConfig& config() const { return config_; }
+  HostPort connect(std::size_t index, Role role = Role::tool) const;
+  /// Of the daemons, and of the CPUs that they started.
+  std::vector<pid_t> processes();
+
+ private:
+  void wait_until_closed(const Setup& setup);
+  bool closed();
+  void require_running();
+  void end();
+
+  config::RingConfig config_;
+  live::LaunchedRing daemons_;
+};
+
+/// The daemon's answer to a request. @throw HostPortError
+nlohmann::json ask(HostPort& port, const nlohmann::json& request);
+
+}  // namespace limb_ring::bench

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <map>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "io/downstream.h"
+#include "io/endpoint.h"
+#include "io/link_counters.h"
+#include "io/refusals.h"
+#include "io/report_once.h"
+#include "io/silence.h"
+#include "io/successor.h"
+#include "io/ticker.h"
+
+namespace limb_ring::link {
+
+/// What an Output reports. Calls come from the event loop, never from inside a call into the
+/// Output. A handler may close() the Output; nothing is called after that.
+struct OutputHandler {
+  virtual ~OutputHandler() = default;
+  virtual void on_output_up(std::uint8_t to) = 0;
+  /// It is gone, or a nearer one has come back (an on_output_up follows at once).
+  virtual void on_output_lost(std::string_view reason) = 0;
+  /// Node `by` will not be our downstream neighbour, or what is there is no node of this ring; once for each reason
+  /// until an output comes up. `reason` is for people.
+  virtual void on_output_refused(std::uint8_t by, std::string_view reason) = 0;
+  /// Something had to wait inside, and has gone out: ready() is true again.
+  virtual void on_output_ready() = 0;
+};
+
+/// A node our output may go to, and where it listens.
+struct Candidate {
+  std::uint8_t id = 0;
+  Endpoint endpoint;
+};
+
+/// Where an Output may connect, in which order, and its times.
+struct OutputSettings {
+  Identity self;
+  std::vector<Candidate> candidates;  ///< ring order: the configured successor first, we last
+  Timing timing;
+};
+
+/// What has become of the wire behind an Output (ours: faults on purpose).
+enum class Wire : std::uint8_t {
+  whole,
+  held,  ///< nothing passes for now, not even idles; what is connected stays so
+  cut    ///< broken: what was connected is lost, the other end is not told
+};
+
+/// The sending end of the link OUT of a node: connected to the nearest living node in ring order
+/// (bypass). While it bypasses somebody, it goes on asking those, and goes back to the first
+/// that answers. A neighbour that says nothing for `silence` is dead or frozen, and lost.
+/// One thread, one io_context. Not to be destroyed from within a call of its handler.
+class Output final : private Downstream::Owner {
+ public:
+  /// @throw std::invalid_argument without candidates; std::runtime_error if a candidate's UDP address
+  ///        is not numeric
+  Output(boost::asio::io_context& io, const OutputSettings& settings, OutputHandler& handler);
+  ~Output() { close(); }
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  /// @param framed_slices whole slices. All are taken: what the socket does not take waits
+  ///        inside, what is given while down() or after a failure is discarded and counted.
+  void write(wire::ByteView framed_slices);
+  /// One slice that is to arrive late: over UDP its datagram keeps its sequence number and is sent behind the next one.
+  /// On other lines, and where something waits inside, it is lost, which is what lateness is to the receiver.
+  void write_late(wire::ByteView framed_slice);
+  /// Connected, and nothing waits inside.
+  bool ready() const { return current_ && current_->drained(); }
+  bool up() const { return current_ != nullptr; }
+  /// @pre up()
+  std::uint8_t to() const { return settings_.candidates[*successor_.current()].id; }
+
+  /// While the wire is not whole no node is asked to connect, and none is bypassed: the wire is broken, not the node
+  /// behind it. Cutting it calls the handler's on_output_lost.
+  void set_wire(Wire wire);
+
+  /// Hangs up. No call of the handler afterwards.
+  void close();
+  const OutputCounters& counters() const { return counters_; }
+  /// Nodes that have refused us for a reason that asking again does not mend.
+  const Refusals& refusals() const { return refusals_; }
+
+ private:
+  struct Attempt {
+    std::shared_ptr<Downstream> line;
+    Time since;
+  };
+
+  void on_accepted(std::size_t candidate) override;
+  void on_refused(std::size_t candidate, const LinkHeader& refuse) override;
+  void on_hint(std::size_t candidate, const LinkHeader& refuse) override;
+  void on_no_node(std::size_t candidate) override;
+  void on_ended(std::size_t candidate, std::string_view reason) override;
+  void on_heard(std::size_t candidate) override;
+  void on_drained(std::size_t candidate) override;
+
+  bool is_current(std::size_t candidate) const;
+  void advance(Time now);
+  bool attempt(std::size_t candidate, Time now);
+  std::shared_ptr<Downstream> make_line(std::size_t candidate);
+  void count(Refusal refusal);
+  void note(std::size_t candidate, const std::string& reason);
+  void tell(std::size_t candidate, std::string_view reason);
+  void abandon(std::size_t candidate);
+  void give_up_attempts(Time now);
+  void cut();
+  void use(std::size_t candidate);
+  void lose(Successor::Loss loss, std::string_view reason);
+  void hang_up(std::string_view reason);
+  void tick(Time now);
+  void tick_current(Time now);
+  void tick_attempts(Time now);
+  void write_idle();
+
+  boost::asio::io_context& io_;
+  OutputSettings settings_;
+  OutputHandler& handler_;
+  OutputCounters counters_;
+  Refusals refusals_;
+  ReportOnce report_once_;  ///< of a refusal, since the output came up
+  Successor successor_;
+  std::map<std::size_t, Attempt> attempts_;
+  std::shared_ptr<Downstream> current_;
+  Silence silence_;
+  event_loop::Ticker ticker_;
+  std::size_t ticks_ = 0;
+  Wire wire_ = Wire::whole;
+  bool wrote_ = false;  ///< since the last tick
+  bool closed_ = false;
+};
+
+}  // namespace limb_ring::link

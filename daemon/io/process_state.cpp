@@ -1,0 +1,29 @@
+#include "io/process_state.h"
+
+#include <fstream>
+#include <string>
+
+namespace limb_ring::process {
+
+// The program's name before it, in brackets, may hold any character.
+char state_in(std::istream& stat) {
+  // getline() ends where the process is gone by now; an istreambuf_iterator would throw.
+  std::string text;
+  std::getline(stat, text, '\0');
+  const std::size_t state = text.rfind(')');
+  return state == std::string::npos || state + 2 >= text.size() ? '\0' : text[state + 2];
+}
+
+char process_state(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  return state_in(stat);
+}
+
+std::string program_of(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/comm");
+  std::string name;
+  std::getline(file, name);
+  return name;
+}
+
+}  // namespace limb_ring::process

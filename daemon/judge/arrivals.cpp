@@ -1,0 +1,150 @@
+#include "judge/arrivals.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "wire/packet.h"
+
+namespace limb_ring::promises {
+
+using Kind = Observation::Kind;
+using wire::Outcome;
+
+void Arrivals::taken(std::uint8_t id, const Observation& seen) {
+  ++report_.counts.packets;
+  SeenNode& node = ring_.at(id);
+  if (seen.destination != id && seen.destination != wire::kBroadcast)
+    return report_.break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
+                                 name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
+  const Pending came{seen, ring_.round, node.life, node.empty_at};
+  // While one waits for its send to be seen, later ones have to wait as well, because their order is judged.
+  if (!node.pending.empty() || !match(id, came, false)) node.pending.push_back(came);
+}
+
+/// Perhaps: whoever reads late finds seconds in one round, and a send that ended in the round in which the receiver
+/// became known may have been taken before that or after it.
+bool Arrivals::ended_before_known(std::uint8_t receiver, const Sent& sent) const {
+  return sent.ended && sent.ended_round <= ring_.at(receiver).known_round;
+}
+
+/// The first send of this content after the send that the receiver took last. INTPs of one factor are all alike, so
+/// for a pin the order is unknown. As a pin is pulled at once, a send that is open or has just ended is preferred; one
+/// that ended untaken, or long ago, counts only when every possible cause has been seen.
+Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) {
+  if (flow == nullptr) return nullptr;
+  const Observation& seen = came.seen;
+  const std::uint64_t last = seen.kind == Kind::pin ? 0 : ring_.newest(receiver, seen.source, seen.queue);
+  Sent* old = nullptr;
+  for (auto it = flow->first_after(last); it != flow->sends.end(); ++it) {
+    if ((it->ended && it->outcome == Outcome::rejected) || ended_before_known(receiver, *it)) continue;
+    const std::uint16_t taken = it->taken_in(receiver);
+    const bool again = taken != 0 && (it->ended || taken == came.life);
+    if (again || !it->asked.same_content(seen)) continue;
+    const bool just_ended = it->ended_round + 2 >= ring_.round && !says_untaken(it->outcome);
+    if (seen.kind != Kind::pin || !it->ended || just_ended) return &*it;
+    if (all_asked && old == nullptr) old = &*it;
+  }
+  return old;
+}
+
+// A pulled pin does not show whether the INTP was a broadcast, so both flows are searched.
+/// @param all_asked its send, if there was one, has been seen by now
+bool Arrivals::match(std::uint8_t receiver, const Pending& came, bool all_asked) {
+  const Observation& seen = came.seen;
+  const auto next_to = [&](std::uint8_t destination) {
+    return next_in_order(receiver, ring_.find_flow(seen.source, seen.queue, destination), came, all_asked);
+  };
+  Sent* sent = next_to(seen.destination);
+  if (seen.kind == Kind::pin && seen.source != receiver) {
+    Sent* to_all = next_to(wire::kBroadcast);
+    const auto is_open = [](const Sent& one) { return !one.ended; };
+    const bool rather = to_all != nullptr && sent != nullptr &&
+                        (is_open(*to_all) != is_open(*sent) ? is_open(*to_all) : to_all->index < sent->index);
+    if (sent == nullptr || rather) sent = to_all;
+  }
+  if (sent == nullptr) return false;
+  sent->taken_in(receiver) = came.life;
+  sent->taken_at = seen.at_ns;
+  ring_.newest(receiver, seen.source, seen.queue) = sent->index;
+  return true;
+}
+
+void Arrivals::settle(std::uint8_t receiver) {
+  auto& pending = ring_.at(receiver).pending;
+  std::bitset<kNodes * kQueues> waits;  // by source and queue: one of these still waits for its send
+  for (std::size_t left = pending.size(); left != 0; --left) {
+    const Pending next = pending.front();
+    pending.pop_front();
+    const std::size_t from = next.seen.source * kQueues + next.seen.queue;
+    const bool pass = next.seen.kind == Kind::passed, all_asked = next.round != ring_.round;
+    if (!waits[from] && (pass ? mark_passed(receiver, next.seen) : match(receiver, next, all_asked))) continue;
+    if (!all_asked) {
+      waits[from] = waits[from] || !pass;
+      pending.push_back(next);
+    } else if (!pass) {
+      classify(receiver, next);
+    }
+  }
+}
+
+/// True if no unseen send of that source can still have been under way.
+bool Arrivals::certain(std::uint8_t receiver, const Pending& pending) const {
+  const SeenNode& from = ring_.at(pending.seen.source);
+  const SeenNode& to = ring_.at(receiver);
+  if (!from.known || from.closing || !to.known) return false;
+  const std::int64_t proven = from.proven_at[pending.seen.queue];
+  const std::int64_t at_last = from.known_at + from.longest_send;
+  const std::int64_t all_seen = proven == 0 ? at_last : std::min(proven, at_last);
+  const std::int64_t came_after = pending.seen.kind == Kind::pin ? pending.seen.at_ns : pending.empty_at;
+  return came_after >= std::max(all_seen, to.known_at) + times_.copies_last.count();
+}
+
+void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
+  const Observation& seen = pending.seen;
+  if (!certain(receiver, pending)) return void(report_.leave_unjudged(Unjudged::source_unknown));
+  const bool pin = seen.kind == Kind::pin;
+  if (judge_alike(receiver, pending, ring_.find_flow(seen.source, seen.queue, seen.destination))) return;
+  if (pin && judge_alike(receiver, pending, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast))) return;
+  report_.break_promise(Promise::undamaged, receiver, seen.source, seen.at_ns,
+                        name_of(seen, seen.source) + ", " + (pin ? "has pulled a pin of" : "was taken by") + " node " +
+                            std::to_string(receiver) + ", and was not asked for");
+}
+
+/// Reports something that came again although every send of its content was taken already, or that came out of order.
+/// @return false if nothing of that content was asked for in that flow
+bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* from) {
+  if (from == nullptr) return false;
+  const Observation& seen = came.seen;
+  const auto alike = std::find_if(from->sends.rbegin(), from->sends.rend(), [&](const Sent& sent) {
+    return sent.asked.same_content(seen) && !(sent.ended && sent.outcome == Outcome::rejected);
+  });
+  if (alike == from->sends.rend()) return false;
+  const std::uint16_t taken = std::exchange(alike->taken_in(receiver), came.life);
+  if (taken != 0 && taken != came.life) return true;  // a late copy, in another life of the receiver
+  const bool twice = taken == came.life;
+  if (!twice && ended_before_known(receiver, *alike)) return report_.leave_unjudged(ring_.at(receiver).before);
+  const std::string by = " node " + std::to_string(receiver);
+  const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"
+                           : seen.kind == Kind::pin ? ", has pulled its pin twice at" + by
+                                                    : ", was taken twice by" + by;
+  report_.break_promise(twice ? Promise::exactly_once : Promise::in_order, receiver, seen.source, seen.at_ns,
+                        name_of(*from, *alike) + what);
+  return true;
+}
+
+void Arrivals::passed(std::uint8_t id, const Observation& seen) {
+  ring_.at(id).pending.push_back({seen, ring_.round, 0, 0});
+}
+
+bool Arrivals::mark_passed(std::uint8_t id, const Observation& seen) {
+  Flow* from = ring_.find_flow(seen.source, seen.queue, wire::kBroadcast);
+  if (from == nullptr) return false;
+  for (Sent& sent : from->sends) {
+    if (sent.by_node->passed[id] || !sent.asked.same_content(seen)) continue;
+    sent.by_node->passed.set(id);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace limb_ring::promises

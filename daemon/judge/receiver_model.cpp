@@ -1,0 +1,248 @@
+#include "judge/receiver_model.h"
+
+#include "wire/interrupt_packet.h"
+
+namespace limb_ring::sim {
+
+using wire::PacketFields;
+
+namespace {
+
+/// A boot number that is lower by at most this is of an earlier incarnation. (protocol.md section 4.10)
+constexpr std::uint64_t kEarlier = 1000;
+
+}  // namespace
+
+ReceiverModel::ReceiverModel(const core::Settings& settings)
+    : id_(settings.id),
+      falls_into_parts_(settings.falls_into_parts()),
+      wired_(settings.wired),
+      horizon_(settings.send_timeout()),
+      pages_(256) {}
+
+// ---- the page of a source ------------------------------------------------------------------------
+
+ReceiverModel::Entry& ReceiverModel::entry(const PacketFields& packet) {
+  const bool broadcast = packet.destination() == wire::kBroadcast;
+  return pages_[packet.source()].entries[(packet.code().interrupt ? 2u : 0u) + (broadcast ? 1u : 0u)];
+}
+
+bool ReceiverModel::is_old(const Entry& e, Time now) const { return now - e.decided > wire::kTries * horizon_; }
+
+void ReceiverModel::age(Page& page, Time now) const {
+  for (Entry& e : page.entries) {
+    if (!e.any_sequence && is_old(e, now)) e = {};
+    e.aged = true;
+  }
+}
+
+template <class Forget>
+bool ReceiverModel::hear_boot(NodeId source, std::uint64_t boot, Forget forget) {
+  Page& page = pages_[source];
+  if (page.boot == boot) return true;
+  if (page.boot > boot && page.boot - boot <= kEarlier) return false;
+  forget(page);
+  page.known = true;
+  page.from_packet = page.any_incarnation = false;
+  page.incarnation = wire::incarnation_of(boot);
+  page.boot = boot;
+  return true;
+}
+
+// @return false where it is of an earlier incarnation
+bool ReceiverModel::hear(const PacketFields& packet, Time at) {
+  Page& page = pages_[packet.source()];
+  const auto empty = [](Page& p) {
+    const Tristate peer_known = p.peer_known;
+    p = {};
+    p.peer_known = peer_known;
+  };
+  bool heard = true;
+  if (const auto hello = wire::decode_hello(packet.data())) {
+    heard = hear_boot(packet.source(), hello->boot, empty);
+  } else if (const auto beacon = wire::decode_beacon(packet.data())) {
+    heard = hear_boot(packet.source(), beacon->boot, [&](Page& p) {
+      if (p.incarnation != wire::incarnation_of(beacon->boot)) empty(p);
+      if (!p.from_packet) age(p, at);
+    });
+  } else {
+    return true;
+  }
+  if (heard) page.peer_known = Tristate::yes;
+  return heard;
+}
+
+// @return false where it is of an earlier incarnation
+bool ReceiverModel::meet(const PacketFields& packet) {
+  Page& page = pages_[packet.source()];
+  const std::uint8_t incarnation = packet.code().incarnation;
+  const int later = page.known ? (incarnation - page.incarnation) & 3 : 2;
+  if (later == 0) return true;
+  if (later == 3) return false;
+  page.entries = {};
+  page.known = page.from_packet = true;
+  page.incarnation = incarnation;
+  return true;
+}
+
+// ---- packets ----------------------------------------------------------------------------------------
+
+bool ReceiverModel::addressed(const PacketFields& packet) const {
+  if (packet.destination() == wire::kBroadcast) return packet.source() != id_;
+  return packet.destination() == id_;
+}
+
+Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const {
+  const bool may_be = falls_into_parts_ && packet.code().attempt > 0 && packet.source() != id_;
+  if (!may_be || pages_[packet.source()].peer_known == Tristate::yes) return Tristate::no;
+  return pages_[packet.source()].peer_known == Tristate::no ? Tristate::yes : Tristate::unknown;
+}
+
+// Nobody outside knows whether `packet` was received.
+void ReceiverModel::doubt(const PacketFields& packet) {
+  Page& page = pages_[packet.source()];
+  if (!packet.code().interrupt && wire::is_control(packet)) {
+    page.any_incarnation = true;
+    if (page.peer_known == Tristate::no) page.peer_known = Tristate::unknown;
+    for (Entry& e : page.entries) e.any_sequence = true;
+  } else if (addressed(packet)) {
+    if (!page.known || page.incarnation != packet.code().incarnation) page.any_incarnation = true;
+    Entry& e = entry(packet);
+    e.any_sequence = true;
+    e.left_behind = core::kNever;
+  }
+}
+
+// Nothing: it is none.
+std::optional<ReceiverModel::Answer> ReceiverModel::of_unaware_peers_retry(const PacketFields& packet, Time at) {
+  // The hello may have gone round in one of two parts alone.
+  const core::Duration tries = falls_into_parts_ ? wire::kTries * horizon_ : core::Duration{0};
+  const auto known_to_all = [&](Time announced) { return announced != core::kNever && at - announced >= tries; };
+  if (packet.code().attempt == 0 || known_to_all(announced_)) return std::nullopt;
+  if (!known_to_all(perhaps_announced_)) return Answer::none;
+  return doubt(packet), Answer::unknown;
+}
+
+// Nothing: its number is new.
+std::optional<ReceiverModel::Answer> ReceiverModel::of_known(const Entry& e, const PacketFields& packet,
+                                                             Time at) const {
+  if (e.any_sequence) return Answer::unknown;
+  if (e.decision == Decision::none || e.sequence != packet.code().sequence) return std::nullopt;
+  const bool fresh = !e.aged && at - e.decided <= horizon_;
+  if (!fresh && packet.code().attempt == 0) return std::nullopt;
+  if (e.decision == Decision::unknown) return Answer::unknown;
+  if (e.in_doubt || (falls_into_parts_ && is_old(e, at))) return Answer::none;
+  return e.decision == Decision::taken ? Answer::repeats_taken : Answer::repeats_refused;
+}
+
+void ReceiverModel::decide(Entry& e, const PacketFields& packet, Answer answer, Time at) {
+  const Decision decision = answer == Answer::takes || answer == Answer::control ? Decision::taken
+                            : answer == Answer::refuses                          ? Decision::refused
+                                                                                 : Decision::unknown;
+  e = {at, packet.code().sequence, decision};
+}
+
+ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate received, Tristate has_buffer, Time at) {
+  if (received == Tristate::unknown) return doubt(packet), Answer::unknown;
+  const bool control = wire::is_control(packet);
+  Page& page = pages_[packet.source()];
+  if (control && page.any_incarnation) {
+    hear(packet, at);
+    page.any_incarnation = false;
+    for (Entry& e : page.entries) e.any_sequence = true;
+    return Answer::unknown;
+  }
+  if (control && packet.source() != id_ && !hear(packet, at)) return Answer::refuses;
+  const Tristate unknown_peers_retry = is_unknown_peers_retry(packet);
+  if (unknown_peers_retry == Tristate::yes || !addressed(packet)) return Answer::none;
+  if (unknown_peers_retry == Tristate::unknown || page.any_incarnation) return doubt(packet), Answer::unknown;
+  if (!meet(packet)) return Answer::refuses;
+  Entry& e = entry(packet);
+  if (control) return decide(e, packet, Answer::control, at), Answer::control;
+  const std::optional<Answer> known = of_known(e, packet, at);
+  if (known && *known != Answer::unknown) return *known;
+  Answer answer = Answer::unknown;
+  if (!known) {
+    if (const auto unaware = of_unaware_peers_retry(packet, at)) return *unaware;
+    const bool refuses = joined_ == Tristate::no || !cpu_present_ || has_buffer == Tristate::no;
+    const bool takes = joined_ == Tristate::yes && has_buffer == Tristate::yes;
+    answer = refuses ? Answer::refuses : takes ? Answer::takes : Answer::unknown;
+  }
+  decide(e, packet, answer, at);
+  return answer;
+}
+
+ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Tristate received, Time at) {
+  if (received == Tristate::unknown) return doubt(packet), Answer::unknown;
+  const Tristate unknown_peers_retry = is_unknown_peers_retry(packet);
+  if (unknown_peers_retry == Tristate::yes || !addressed(packet)) return Answer::none;
+  if (unknown_peers_retry == Tristate::unknown || pages_[packet.source()].any_incarnation)
+    return doubt(packet), Answer::unknown;
+  if (!meet(packet)) return Answer::refuses;
+  Entry& e = entry(packet);
+  const std::optional<Answer> known = of_known(e, packet, at);
+  if (known && *known != Answer::unknown) return *known;
+  Answer answer = Answer::unknown;
+  if (!known) {
+    if (const auto unaware = of_unaware_peers_retry(packet, at)) return *unaware;
+    answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
+  }
+  decide(e, packet, answer, at);
+  return answer;
+}
+
+// ---- the node ---------------------------------------------------------------------------------------
+
+void ReceiverModel::says_hello(std::uint64_t boot) {
+  hear_boot(id_, boot, [](Page& page) { page = {}; });
+}
+
+void ReceiverModel::announce(bool sure, Time at) {
+  perhaps_announced_ = std::min(perhaps_announced_, at);
+  if (sure) announced_ = std::min(announced_, at);
+}
+
+template <class Change>
+void ReceiverModel::each_entry(Change change) {
+  for (Page& page : pages_)
+    for (Entry& e : page.entries) change(e);
+}
+
+void ReceiverModel::input_changes(Time now) {
+  each_entry([now](Entry& e) { e.left_behind = std::min(e.left_behind, now); });
+}
+
+// What it decided before its input was last lost it forgets. If the ring falls into parts, it keeps what a copy may
+// still come of, and gives no verdict on it.
+void ReceiverModel::start_over(bool crossed, Time now) {
+  begin_incarnation();
+  each_entry([&](Entry& e) {
+    if (falls_into_parts_) {
+      if (now - e.decided > horizon_ && !e.any_sequence) e = {};
+      e.in_doubt = true;
+    } else if (crossed && e.left_behind == now) {
+      e.any_sequence = true;
+    } else if (e.left_behind != core::kNever) {
+      e = {};
+    }
+  });
+  for (Page& page : pages_) page.peer_known = Tristate::no;
+}
+
+// If it did not start over, what it had decided still holds; nobody outside knows.
+void ReceiverModel::may_start_over() {
+  joined_ = Tristate::no;
+  announced_ = core::kNever;
+  each_entry([&](Entry& e) {
+    if (e.decision != Decision::none && (falls_into_parts_ || e.left_behind != core::kNever)) e.any_sequence = true;
+  });
+  for (Page& page : pages_)
+    if (page.peer_known == Tristate::yes) page.peer_known = Tristate::unknown;
+}
+
+void ReceiverModel::begin_incarnation() {
+  joined_ = Tristate::no;
+  announced_ = perhaps_announced_ = core::kNever;
+}
+
+}  // namespace limb_ring::sim

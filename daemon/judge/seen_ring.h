@@ -1,0 +1,131 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "judge/judge_report.h"
+#include "judge/observation.h"
+#include "wire/outcome.h"
+
+namespace limb_ring::promises {
+
+/// How long the judge waits before it is sure, by the nodes' clock.
+struct JudgeTimes {
+  std::chrono::nanoseconds copies_last = std::chrono::seconds(1);  ///< on the lines, of a send that has ended
+  std::chrono::nanoseconds kept =
+      std::chrono::milliseconds(500);  ///< what is done with, so that a second copy is known
+  std::chrono::nanoseconds step = std::chrono::milliseconds(250);  ///< in a longer one a node was stopped
+  std::chrono::nanoseconds told_again = std::chrono::seconds(1);   ///< the same of a node and source
+};
+
+using Round = std::uint32_t;
+constexpr std::size_t kQueues = 5, kNodes = 256;
+
+/// At which nodes a broadcast was.
+struct ByNode {
+  std::array<std::uint16_t, kNodes> taken_in{};
+  std::bitset<kNodes> passed;
+};
+
+/// One send as its source was asked for it, and what was seen of it since.
+struct Sent {
+  Observation asked;
+  std::uint64_t index = 0;  ///< in the order of asking, within its queue; from 1
+  Round asked_round = 0, ended_round = 0;
+  std::int64_t asked_alive = 0, ended_at = 0, taken_at = 0;
+  bool ended = false, judged = false, cut_short = false;
+  wire::Outcome outcome{};
+  std::uint8_t tries = 0;
+  std::uint16_t taken_life = 0;     ///< of the receiver, in which it took it; 0: it has not
+  std::unique_ptr<ByNode> by_node;  ///< of a broadcast
+
+  /// Life of that receiver in which it took it; 0: it has not.
+  std::uint16_t& taken_in(std::uint8_t receiver) { return by_node ? by_node->taken_in[receiver] : taken_life; }
+  void end(wire::Outcome how, Round round, std::int64_t at) {
+    ended = true;
+    outcome = how;
+    ended_round = round;
+    ended_at = at;
+  }
+  /// Ends it although its result will never be seen.
+  void cut(Round round, std::int64_t at) {
+    end(wire::Outcome::cancelled, round, at);
+    cut_short = true;
+  }
+};
+
+/// Sends of one source, queue and destination, in the order of asking.
+struct Flow {
+  std::uint8_t source, queue, destination;
+  std::deque<Sent> sends;
+  std::size_t first_open = 0;      ///< those before it have ended
+  std::size_t first_unjudged = 0;  ///< those before it are judged
+  std::size_t found = 0;           ///< by first_after(), the last time
+  bool listed = false;             ///< in SeenRing::active
+
+  /// The first one whose index is greater.
+  std::deque<Sent>::iterator first_after(std::uint64_t index);
+  void pop_front();
+  void clear();
+};
+
+/// Something that was taken, but whose send has not been found yet.
+struct Pending {
+  Observation seen;
+  Round round;
+  std::uint16_t life;     ///< of the receiver
+  std::int64_t empty_at;  ///< when the receiver's buffers were last seen empty
+};
+
+/// A node, and what was seen at it.
+struct SeenNode {
+  bool known = false, closing = false;
+  bool after_loss = false;                       ///< known again from the next observation on
+  bool seen_before = false;                      ///< it has begun once at least
+  Unjudged before = Unjudged::receiver_unknown;  ///< why what was at it before `known_at` is not judged
+  Round known_round = 0, flushed_round = 0, state_round = 0, empty_round = 0, seen_round = 0;
+  std::int64_t known_at = 0, at = 0, empty_at = 0;
+  std::int64_t alive = 0;  ///< for so long it was seen to go on, ns
+  std::int64_t longest_send = 0;
+  std::uint8_t state = 0;
+  std::uint16_t life = 1;
+  std::vector<std::unique_ptr<Flow>> flows;  ///< by queue and destination
+  std::array<std::uint64_t, kQueues> asked{};
+  std::array<std::int64_t, kQueues> proven_at{};  ///< since then nothing is under way that was not seen; 0: never
+  std::vector<std::uint64_t> newest;              ///< index of what it took last, by source and queue
+  std::deque<Pending> pending;
+
+  /// Something of that flow was taken, and it is not known yet which send it was.
+  bool has_pending(const Flow& flow) const;
+};
+
+/// All that was seen of a ring and is not done with. (ours)
+struct SeenRing {
+  Round round = 10;
+  std::vector<SeenNode> nodes{kNodes};
+  std::vector<std::uint8_t> known;  ///< ids
+  std::vector<Flow*> active;        ///< in which something is not done with
+
+  SeenNode& at(std::uint8_t id) { return nodes[id]; }
+  const SeenNode& at(std::uint8_t id) const { return nodes[id]; }
+  Flow& flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination);
+  /// Null where nothing was asked for in it.
+  Flow* find_flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) const;
+  /// Index of what that receiver took last from that source and queue.
+  std::uint64_t& newest(std::uint8_t receiver, std::uint8_t source, std::uint8_t queue);
+};
+
+/// Whether a result says that nobody has taken the packet.
+bool says_untaken(wire::Outcome outcome);
+/// "DATP of node 3 to 12, priority 0, channel 4, 100 bytes"
+std::string name_of(const Observation& packet, std::uint8_t source);
+/// The same, with its token.
+std::string name_of(const Flow& flow, const Sent& sent);
+
+}  // namespace limb_ring::promises

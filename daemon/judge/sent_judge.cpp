@@ -1,0 +1,110 @@
+#include "judge/sent_judge.h"
+
+#include <algorithm>
+
+namespace limb_ring::sim {
+
+using core::Outcome;
+using core::Reject;
+
+namespace {
+
+constexpr unsigned kMostTries = 4;
+
+bool is_taken(int fbc) { return fbc > 0 && fbc != wire::kFbcUntaken; }
+
+}  // namespace
+
+const char* ResultJudge::objection() const {
+  if (sent_.in_doubt) return nullptr;
+  if (sent_.ended_at > due()) return ", so late";
+  // A break heard, or a damaged return, ends a send as its last part comes, and is told with the last bit of that.
+  const bool told_later = sent_.end.outcome == Outcome::unconfirmed || sent_.end.outcome == Outcome::lost;
+  const core::Duration told = told_later ? told_within(settings_) : core::Duration{0};
+  const bool reset = sent_.cancel_due != core::kNever && sent_.ended_at > sent_.cancel_due + told && !home();
+  if (reset && sent_.end.outcome != Outcome::cancelled) return ", and it had been cancelled before";
+  switch (sent_.end.outcome) {
+    case Outcome::delivered:
+      return against_delivered();
+    case Outcome::refused:
+      return against_refused();
+    case Outcome::no_such_node:
+      return against_no_such_node();
+    case Outcome::lost:
+      return against_lost();
+    case Outcome::unconfirmed:
+      return against_unconfirmed();
+    case Outcome::rejected:
+      return against_rejected();
+    case Outcome::cancelled:
+      return nullptr;  // a node that starts over shows that state after it
+  }
+  return nullptr;
+}
+
+// Four tries, each of which may wait for the line, behind four of the send before it.
+Time ResultJudge::due() const {
+  const core::Duration tries = kMostTries * (settings_.send_timeout() + settings_.queue_timeout);
+  return std::max(sent_.asked + settings_.queue_timeout + 2 * tries, source_.thawed);
+}
+
+// The receiver has started since, or begun new numbers: what is out to it is not repeated. (protocol.md section 4.10) A
+// source that missed its hello learns of it from its beacons.
+bool ResultJudge::receiver_forgot() const {
+  const core::Duration until_heard = 10 * settings_.beacon + kMostTries * settings_.send_timeout();
+  return said_hello_ != core::kNever && sent_.ended_at - said_hello_ < until_heard;
+}
+
+const char* ResultJudge::against_delivered() const {
+  if (!home()) return ", and it did not come home then";
+  return is_taken(sent_.home_fbc) ? nullptr : ", and it came home untaken";
+}
+
+const char* ResultJudge::against_refused() const {
+  if (sent_.repeated) return ", and some try had been repeated";
+  const bool came_refused = home() && sent_.home_fbc == 0;
+  if (sent_.interrupt() || sent_.destination == wire::kBroadcast)
+    return came_refused ? nullptr : ", and it did not come home refused";
+  if (sent_.first_refused == core::kNever) return ", and it never came home refused";
+  if (overdue()) return nullptr;
+  if (!came_refused) return ", and it did not come home refused then";
+  return sent_.ended_at >= sent_.first_refused + settings_.refused_for ? nullptr : ", and it was to go again";
+}
+
+const char* ResultJudge::against_no_such_node() const {
+  if (!home()) return ", and it did not come home then";
+  if (sent_.home_fbc != wire::kFbcUntaken) return ", and somebody had answered";
+  return sent_.repeated ? ", and some try had been repeated" : nullptr;
+}
+
+const char* ResultJudge::against_lost() const {
+  if (settings_.fold_back && home()) return nullptr;  // two parts may have grown together
+  if (home() && is_taken(sent_.home_fbc)) return ", and it came home taken";
+  if (receiver_forgot() || overdue()) return nullptr;
+  if (home()) return sent_.repeated || sent_.may_have_failed ? nullptr : ", and its first try came home";
+  return sent_.attempts == kMostTries ? nullptr : ", and it had tries left";
+}
+
+const char* ResultJudge::against_unconfirmed() const {
+  return ring_was_broken_ ? nullptr : ", and no line was ever broken";  // its node has to show the open chain
+}
+
+const char* ResultJudge::against_rejected() const {
+  if (sent_.tries != 0) return ", and it was on the line";
+  switch (sent_.end.reject) {
+    case Reject::queue_full:
+      return sent_.queue_shared || sent_.ahead >= settings_.send_queue ? nullptr : ", and the queue had room";
+    case Reject::no_way_out:
+      return overdue() ? nullptr : ", and its time was not over";
+    case Reject::bad_destination:
+      return core::is_in(settings_.order, sent_.destination) || sent_.destination == wire::kBroadcast
+                 ? ", and there is such a node"
+                 : nullptr;
+    case Reject::bad_size:
+      return sent_.size >= 1 && sent_.size <= wire::kMaxPayload ? ", and its size is right" : nullptr;
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "judge/ledger.h"
+
+namespace limb_ring::sim {
+
+/// What has happened to a node that can end its sends.
+struct NodeHistory {
+  core::NodeState state = core::NodeState::starting;
+  Time state_at{};                 ///< since when
+  Time open_chain_until{};         ///< it was in an open chain before it showed another state; 0: never
+  Time cancelled = core::kNever;   ///< its CPU was reset, or its sends were cancelled
+  Time said_hello = core::kNever;  ///< its last hello left
+  Time thawed{};                   ///< it went on
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("state", state)("state_at", state_at)("open_chain_until", open_chain_until)("cancelled", cancelled);
+    a("said_hello", said_hello)("thawed", thawed);
+  }
+};
+
+/// Whether a result was justified when it was given, by what was seen on the lines. (protocol.md sections 4.3 to 4.6)
+class ResultJudge {
+ public:
+  /// @param said_hello when a receiver of the send last said hello; core::kNever: never
+  ResultJudge(const Sent& sent, const core::Settings& settings, const NodeHistory& source, Time said_hello,
+              bool ring_was_broken)
+      : sent_(sent), settings_(settings), source_(source), said_hello_(said_hello), ring_was_broken_(ring_was_broken) {}
+
+  /// @return what speaks against it; null where nothing does
+  const char* objection() const;
+  /// Until when it must have ended. (protocol.md sections 4.3 and 4.5)
+  Time due() const;
+
+ private:
+  bool home() const { return sent_.home_at == sent_.ended_at; }
+  bool overdue() const { return sent_.ended_at >= sent_.asked + settings_.queue_timeout; }
+  bool receiver_forgot() const;
+  const char* against_delivered() const;
+  const char* against_refused() const;
+  const char* against_no_such_node() const;
+  const char* against_lost() const;
+  const char* against_unconfirmed() const;
+  const char* against_rejected() const;
+
+  const Sent& sent_;
+  const core::Settings& settings_;
+  const NodeHistory& source_;
+  Time said_hello_;
+  bool ring_was_broken_;
+};
+
+/// What a packet says is acted on when its `end` begins; what follows is told when its last bit is in, at most so much
+/// later: an INTP begins and ends with the same slice, which is the longest. (protocol.md section 6.4)
+inline core::Duration told_within(const core::Settings& settings) {
+  return settings.byte_time_in * static_cast<std::int64_t>(wire::kInterruptPacketSize);
+}
+
+/// In a ring, or in an open chain: users may send. (protocol.md section 8.1)
+inline bool may_send(core::NodeState state) {
+  using core::NodeState;
+  return state == NodeState::up || state == NodeState::alone || state == NodeState::folded ||
+         state == NodeState::open_chain;
+}
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,87 @@
+#pragma once
+
+#include "config/ring_config.h"
+#include "node/cpu_process.h"
+#include "node/host_server.h"
+#include "node/node_driver.h"
+#include "node/read_throttle.h"
+
+namespace limb_ring::runtime {
+
+/// Where the node's CPU sits: between the network controller, the host port and the process.
+/// A node without a CPU has a built-in sink that reads and counts.
+class CpuSocket final : private CpuEvents {
+ public:
+  /// `changed` is called after anything that status() shows has changed.
+  CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& driver, host::HostServer& host,
+            std::function<void()> changed);
+
+  void start();
+  void stop(std::function<void()> done) { process_.stop(std::move(done)); }
+
+  /// @name From the host port
+  ///@{
+  void greeted(pid_t pid) { process_.greeted(pid); }
+  void left(pid_t pid) { process_.left(pid); }
+  std::optional<std::string> attach(const host::ClientInfo& client);
+  void detach(const host::ClientInfo& client);
+  void spoke();
+  ///@}
+
+  /// Hands over what the receive buffers hold, by priority, as far as the CPU takes it.
+  void hand_over();
+  ReadThrottle& read_throttle() { return read_throttle_; }
+
+  /// @name Pins
+  ///@{
+  /// Kills and restarts the CPU, whatever state it is in; nothing stale is left for the new one.
+  CpuActionResult reset(const std::string& reason);
+  void interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor);
+  /// Its node loses power: a child is killed and reaped at once; an attached process goes on.
+  void kill() { process_.kill(); }
+  CpuActionResult signal(int number) { return process_.signal(number); }
+  CpuActionResult run(const std::vector<std::string>& command) { return process_.run(command); }
+  const PinCommands::Counters& command_counters() const { return process_.command_counters(); }
+  ///@}
+
+  /// What is known of stop pins that were pulled.
+  struct Stop {
+    bool latched = false;      ///< by the CPU's own word
+    bool latches = true;       ///< unless the CPU has said that it never does
+    std::uint64_t pulled = 0;  ///< times since the daemon's start
+    std::optional<core::Time> pulled_at;
+  };
+  /// The CPU says that a stop is latched, or that it has resumed. One that has just been started has nothing latched.
+  void stop_latched(bool latched);
+  /// The CPU says that it never latches one, so that nobody waits for its word.
+  void never_latches_stops() { stop_.latches = false; }
+  /// The node's clock was latched: the next beacon says so.
+  void clock_latched(const wire::ClockLatch& latch);
+  const Stop& stop_state() const { return stop_; }
+
+  CpuStatus status() const;
+
+ private:
+  bool is_sink() const { return kind_ == config::CpuConfig::Kind::none; }
+  void on_cpu_changed() override;
+  void report();
+  void drop_client();
+  /// What was latched, waits or is under way ends with that CPU.
+  void forget(const host::ClientInfo& client);
+
+  config::CpuConfig::Kind kind_;
+  std::chrono::milliseconds alive_period_;
+  NodeDriver& driver_;
+  host::HostServer& host_;
+  std::function<void()> changed_;
+  std::string log_prefix_;
+  CpuProcess process_;
+  ReadThrottle read_throttle_;
+  std::unique_ptr<event_loop::Timer> next_read_;
+  core::CpuReport reported_;
+  Stop stop_;
+  std::uint32_t sink_boots_ = 1;
+  std::uint64_t sink_resets_ = 0;
+};
+
+}  // namespace limb_ring::runtime

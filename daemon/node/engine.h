@@ -1,0 +1,108 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/network_controller.h"
+#include "io/machine_clock.h"
+#include "io/packet_loop.h"
+#include "io/packet_timer.h"
+#include "judge/recorder_file.h"
+#include "node/clock.h"
+#include "node/link_settings.h"
+#include "node/node_driver.h"
+#include "node/node_line.h"
+
+namespace limb_ring::runtime {
+
+/// Drives the core: bytes from the links and the time go in, what comes out goes onto the lines and to the listener.
+/// One read, one write: all slices of a batch are handed in before anything is written.
+class Engine final : public NodeDriver, private LineHandler, private core::NetworkController::Tap {
+ public:
+  Engine(boost::asio::io_context& io, const core::Settings& core, const std::vector<setup::LinkSettings>& lines,
+         DriverListener& listener);
+  ~Engine() override { close(); }
+
+  core::NetworkController& controller() override { return controller_; }
+  const core::NetworkController& controller() const override { return controller_; }
+  event_loop::NodeClock& clock() override { return machine_clock_; }
+  core::Time now() const override { return in_batch_ || pumping_ ? at_ : clock_.now(); }
+  event_loop::NodeClock::Time steady(core::Time when) const override { return clock_.steady(when); }
+
+  /// From now on everything that goes into the controller and comes out of it is written into that file.
+  /// @param title `zero`, `date` and `settings` are filled in
+  /// @throw std::system_error where the file cannot be made
+  void record(const std::string& path, std::size_t size, recorder::Title title);
+
+  void pump() override;
+  void pump_soon() override;
+  void pump_around(const std::function<void(core::Time now)>& call) override;
+  void close() override;
+  bool is_in_place() const override;
+  void listen_again() override;
+  void set_tap(LineTap* tap) override;
+  void set_journal(core::Journal* journal) override;
+
+  LineEnds ends(core::Line line) const override;
+  const link::InputCounters& input_counters(core::Line on) const override { return line(on).input().counters(); }
+  const link::OutputCounters& output_counters(core::Line on) const override { return line(on).output().counters(); }
+  LineRefusals refusals(core::Line on) const override {
+    return {&line(on).input().refusals(), &line(on).output().refusals()};
+  }
+  LineBreaker& breaker(core::Line on) override { return line(on).faulty_line(); }
+  const LineBreaker& breaker(core::Line on) const override { return line(on).faulty_line(); }
+  core::Time input_lost_at() const override { return input_lost_at_; }
+  core::Time broken_since() const override { return broken_since_; }
+
+ private:
+  void on_slice(core::Line line, const wire::Slice& slice) override;
+  void on_batch_end() override { pump_soon(); }
+  void on_input_gap(core::Line line) override;
+  void on_input_up(core::Line line, wire::NodeId from) override;
+  void on_input_lost(core::Line line, std::string_view reason) override;
+  void on_output_up(core::Line line, wire::NodeId to) override;
+  void on_output_lost(core::Line line, std::string_view reason) override;
+  void on_output_ready(core::Line line) override;
+  void on_unknown_peer(core::Line line, std::string_view reason) override;
+  void on_output_refused(core::Line line, wire::NodeId by, std::string_view reason) override;
+
+  void arrives(const wire::Slice& slice, core::Line on, core::Time now) override;
+  void leaves(wire::ByteView framed_slices, core::Line on, core::Time now) override;
+
+  NodeLine& line(core::Line line) { return lines_[static_cast<std::size_t>(line)]; }
+  const NodeLine& line(core::Line line) const { return lines_[static_cast<std::size_t>(line)]; }
+  void say(core::Line line, const std::string& what);
+  void round();
+  void note(const core::Event& event);
+  void write_lines();
+  void arm_timer();
+
+  Clock clock_;
+  event_loop::MachineClock machine_clock_;
+  DriverListener& listener_;
+  core::NetworkController controller_;
+  std::unique_ptr<recorder::RecorderFile> recorder_;
+  event_loop::PacketLoop& loop_;
+  event_loop::PacketTimer timer_;
+  core::Time armed_for_ = core::kNever;
+  core::Time may_put_off_at_{};  ///< the timer, to a later instant
+  core::Time deadline_{};
+  core::Time at_{};
+  LineTap* tap_ = nullptr;
+  core::Time input_lost_at_{};
+  core::Time broken_since_{};
+  core::Duration silence_;
+  bool in_batch_ = false;
+  bool pumping_ = false;
+  bool again_ = false;
+  bool pump_asked_ = false;
+  bool closed_ = false;
+  std::deque<NodeLine> lines_;
+};
+
+}  // namespace limb_ring::runtime

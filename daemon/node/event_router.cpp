@@ -1,0 +1,101 @@
+#include "node/event_router.h"
+
+#include <spdlog/spdlog.h>
+
+#include "node/send_owner.h"
+
+namespace limb_ring::runtime {
+
+// ---- from the network controller ----------------------------------------------------------
+
+void EventRouter::on_event(const core::Event& event) {
+  std::visit([this](const auto& what) { handle(what); }, event.what);
+}
+
+void EventRouter::on_round_end() {
+  const core::NetworkController& controller = to_.driver.controller();
+  to_.folder.note_boot(controller.membership().boot());
+  if (controller.received_waiting() != 0) to_.cpu.hand_over();
+  to_.observers.tell_changes(to_.driver);
+  to_.lately_damaged.look(to_.driver.now(), to_.driver.controller().counters());
+}
+
+void EventRouter::on_link(std::string_view what) {
+  spdlog::info("{}{}", to_.log_prefix, what);
+  to_.observers.tell("link", {{"what", std::string(what)}});
+}
+
+void EventRouter::handle(const core::SendEnded& ended) {
+  if (ended.outcome == core::Outcome::delivered) to_.round_trips.add(ended.round_trip);
+  const SendOwner owner = SendOwner::from_core(ended.owner);
+  switch (owner.kind) {
+    case SendOwner::Kind::client:
+      return tell_client(owner.client, ended);
+    case SendOwner::Kind::traffic:
+      return to_.traffic.on_ended(ended, to_.reasons.of(ended).text);
+    case SendOwner::Kind::daemon_interrupts:
+      return to_.interrupts.on_ended(ended);
+    case SendOwner::Kind::babbling_cpu:
+      return to_.faults.on_ended(ended);
+    case SendOwner::Kind::ring_user:
+      return;  // it sees the events themselves
+  }
+}
+
+void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ended) {
+  const auto round_trip = core::whole_nanoseconds(ended.round_trip);
+  const SendReason reason = to_.reasons.of(ended);
+  const Outcome outcome = public_outcome(ended.outcome);
+  to_.host.result(client, {ended.token, outcome, round_trip, ended.tries, reason.text, reason.reason});
+  if (!to_.observers.wants("sent")) return;
+  to_.observers.tell("sent", {{"outcome", to_string(outcome)},
+                              {"reason_code", to_string(reason.reason)},
+                              {"reason", reason.text},
+                              {"interrupt", ended.interrupt},
+                              {"tries", ended.tries},
+                              {"round_trip_us", static_cast<double>(round_trip.count()) / 1000}});
+}
+
+void EventRouter::handle(const core::PinPulled& pin) {
+  pull(pin.factor, pin.source, to_.driver.clock().now().time_since_epoch().count());
+}
+
+void EventRouter::pull(std::uint8_t factor, std::uint8_t source, std::int64_t clock_ns) {
+  const std::string done = to_.pins.pull(factor, source, clock_ns);
+  spdlog::info("{}{}", to_.log_prefix, done);
+  to_.observers.tell("pin", {{"factor", factor}, {"source", source}, {"what", done}});
+}
+
+void EventRouter::handle(const core::StateChanged& change) {
+  const auto& membership = to_.driver.controller().membership();
+  spdlog::info("{}{} -> {}, ring size {}", to_.log_prefix, to_string(change.before), to_string(change.after),
+               membership.ring_size());
+  const auto line = membership.broken_line();
+  nlohmann::json broken;
+  if (line) broken = {{"before", std::uint8_t{line->before}}, {"behind", std::uint8_t{line->behind}}};
+  to_.observers.tell("state", {{"before", to_string(change.before)},
+                               {"after", to_string(change.after)},
+                               {"broken_line", broken},
+                               {"ring_size", membership.ring_size()}});
+}
+
+// ---- from the CPU and the watchdog --------------------------------------------------------
+
+void EventRouter::on_cpu_changed() {
+  const CpuStatus status = to_.cpu.status();
+  if (status.pid > 0 && !status.ending)
+    spdlog::info("{}CPU {} (pid {}, boot {})", to_.log_prefix, to_string(status.state), status.pid, status.boots);
+  else
+    spdlog::info("{}CPU {}", to_.log_prefix, to_string(status.state));
+  to_.observers.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
+  to_.interrupts.on_cpu_changed(wire::NodeId{to_.node.id});
+  if (status.boots != std::exchange(cpu_boots_, status.boots)) to_.faults.cpu_booted();
+}
+
+void EventRouter::on_finding(const watchdog::Watchdog::Finding& finding) {
+  to_.observers.tell(
+      "watchdog",
+      {{"id", std::uint8_t{finding.node}}, {"verdict", to_string(finding.verdict)}, {"what", finding.what}});
+}
+
+}  // namespace limb_ring::runtime

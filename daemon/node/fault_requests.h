@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "config/ring_config.h"
+#include "node/faults.h"
+#include "node/node_driver.h"
+
+namespace limb_ring::runtime {
+
+using Answer = std::function<void(const nlohmann::json&)>;
+
+/// What requests about faults are for.
+struct FaultTargets {
+  const config::RingConfig& ring;
+  const config::NodeConfig& node;
+  const NodeDriver& driver;
+  Faults& faults;
+  std::function<void()> power_cycle;  ///< sends no answer: the process, or the node, ends
+};
+
+/// @name Requests about faults, as docs/reference/requests.md describes them
+/// @throw RequestError, fault::ParseError: their text is the answer
+///@{
+void begin_fault(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
+void list_faults(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
+void remove_fault(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
+void clear_faults(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
+///@}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,230 @@
+#include "node/faults.h"
+
+#include <algorithm>
+#include <set>
+
+#include "node/wait_until.h"
+
+namespace limb_ring::runtime {
+
+using fault::Fault;
+using fault::LineFaults;
+using fault::Name;
+using nlohmann::json;
+
+namespace {
+
+/// How long to wait until a mended line is connected again. If no node answers, the line is down for other reasons,
+/// so the wait is bounded.
+constexpr std::chrono::milliseconds kLinePatience{2000};
+
+double seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+void nobody(const std::string&) {}
+
+}  // namespace
+
+// ---- beginning ------------------------------------------------------------------------------
+
+void Faults::begin(const Fault& fault, const Begun& begun) {
+  drop_ended(driver_.now());
+  if (fault::word_of(fault.name).of == fault::Of::line)
+    begin_line(fault, begun);
+  else
+    begin_cpu(fault, begun);
+}
+
+Faults::Id Faults::add(const Fault& fault) {
+  const Id id = ++last_id_;
+  active_.try_emplace(id, fault, driver_.now());
+  return id;
+}
+
+void Faults::begin_line(const Fault& fault, const Begun& begun) {
+  LineBreaker& on = breaker_of(fault);
+  const LineFaults::Id line = on.begin(fault, driver_.now());
+  if (line == 0) {  // mended
+    drop_ended(driver_.now());
+    return wait_for(on, [begun](const std::string& problem) { begun(0, problem); });
+  }
+  const Id id = add(fault);
+  active_.at(id).on = &on;
+  active_.at(id).line = line;
+  begun(id, "");
+}
+
+void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
+  const auto over = [begun](const std::string& problem) { begun(0, problem); };
+  switch (fault.name) {
+    case Name::resume:
+      forget_cpu_faults();
+      return mend_cpu(over);
+    case Name::reset:
+      return cpu_.reset(over);
+    case Name::crash:
+      return cpu_.crash(over);
+    case Name::hang:
+      return begin_hang(fault, begun);
+    case Name::slow:
+      cpu_.slow(fault.every);
+      break;
+    case Name::not_reading:
+      cpu_.not_reading();
+      break;
+    default:
+      cpu_.babble(fault.every);
+      break;
+  }
+  const Id id = add(fault);
+  end_later(id);
+  begun(id, "");
+}
+
+// Its duration counts from now, although the process stops a little later.
+void Faults::begin_hang(const Fault& fault, const Begun& begun) {
+  const Id id = add(fault);
+  end_later(id);
+  cpu_.hang([this, id, begun](const std::string& problem) {
+    const bool hangs = problem.empty();
+    if (!hangs && active_.erase(id) != 0 && id == last_id_) --last_id_;
+    begun(hangs ? id : 0, problem);
+  });
+}
+
+void Faults::end_later(Id id) {
+  Active& active = active_.at(id);
+  if (active.fault.lasts.count() == 0) return;
+  active.end = driver_.clock().timer([this, id] { remove(id, nobody); });
+  active.end->expires_at(driver_.clock().now() + active.fault.lasts);
+}
+
+// ---- the end --------------------------------------------------------------------------------
+
+bool Faults::remove(Id id, const Done& done) {
+  drop_ended(driver_.now());
+  const auto found = active_.find(id);
+  if (found == active_.end()) return false;
+  LineBreaker* on = found->second.on;
+  const LineFaults::Id line = found->second.line;
+  const Name name = found->second.fault.name;
+  active_.erase(found);
+  if (on == nullptr) {
+    mend(name, done);
+  } else {
+    on->remove(line, driver_.now());
+    wait_for(*on, done);
+  }
+  return true;
+}
+
+void Faults::clear(const Done& done) {
+  active_.clear();
+  LineBreaker& first = driver_.breaker(core::Line::first);
+  LineBreaker* second = driver_.has_second_line() ? &driver_.breaker(core::Line::second) : nullptr;
+  first.clear(driver_.now());
+  if (second != nullptr) second->clear(driver_.now());
+  mend_cpu([this, &first, second, done](const std::string& problem) {
+    if (!problem.empty()) return done(problem);
+    if (second == nullptr) return wait_for(first, done);
+    wait_for(first, [this, second, done](const std::string&) { wait_for(*second, done); });
+  });
+}
+
+// Mends nothing while another fault of the same kind is still active.
+void Faults::mend(Name name, const Done& done) {
+  const auto holds = [name](const auto& entry) {
+    const Name other = entry.second.fault.name;
+    const auto reads = [](Name n) { return n == Name::slow || n == Name::not_reading; };
+    return other == name || (reads(other) && reads(name));
+  };
+  if (std::any_of(active_.begin(), active_.end(), holds)) return done("");
+  if (name == Name::hang) return cpu_.wake(done);
+  if (name == Name::babble)
+    cpu_.be_quiet();
+  else
+    cpu_.read_on();
+  done("");
+}
+
+void Faults::mend_cpu(const Done& done) {
+  cpu_.be_quiet();
+  cpu_.read_on();
+  cpu_.wake(done);
+}
+
+void Faults::stop() {
+  const auto hangs = [](const auto& entry) { return entry.second.fault.name == Name::hang; };
+  if (std::any_of(active_.begin(), active_.end(), hangs)) cpu_.wake(nobody);
+  active_.clear();
+}
+
+void Faults::forget_cpu_faults() {
+  for (auto it = active_.begin(); it != active_.end();)
+    it = it->second.on == nullptr ? active_.erase(it) : std::next(it);
+}
+
+void Faults::cpu_booted() {
+  forget_cpu_faults();
+  cpu_.be_quiet();
+  cpu_.read_on();
+}
+
+LineBreaker& Faults::breaker_of(const Fault& fault) {
+  return driver_.breaker(fault.second_line ? core::Line::second : core::Line::first);
+}
+
+void Faults::wait_for(const LineBreaker& line, const Done& done) {
+  wait_until(
+      io_, alive_, [&line] { return line.mended(); }, kLinePatience, [done](bool) { done(""); });
+}
+
+/// Those that have ended by themselves, and a hang that somebody else has ended.
+void Faults::drop_ended(core::Time now) {
+  const OfLines there = of_lines(now);
+  for (auto it = active_.begin(); it != active_.end();) {
+    const Active& active = it->second;
+    const bool ended = active.on != nullptr ? there.count({active.on, active.line}) == 0
+                                            : active.fault.name == Name::hang && !cpu_.hangs();
+    it = ended ? active_.erase(it) : std::next(it);
+  }
+}
+
+// ---- what there is --------------------------------------------------------------------------
+
+Faults::OfLines Faults::of_lines(core::Time now) const {
+  std::set<LineBreaker*> lines;
+  for (const auto& [id, active] : active_)
+    if (active.on != nullptr) lines.insert(active.on);
+  OfLines all;
+  for (LineBreaker* line : lines)
+    for (const LineFaults::Listed& one : line->list(now)) all.emplace(std::pair(line, one.id), one);
+  return all;
+}
+
+json Faults::list() {
+  const core::Time now = driver_.now();  // of all that follows: none may end in between
+  drop_ended(now);
+  const OfLines there = of_lines(now);
+  json all = json::array();
+  for (const auto& [id, active] : active_) {
+    const Fault& fault = active.fault;
+    const auto found = there.find({active.on, active.line});
+    const LineFaults::Listed* of_line = found == there.end() ? nullptr : &found->second;
+    const auto age = core::whole_nanoseconds(now - active.since);
+    json row{{"id", id},
+             {"name", fault::word_of(fault.name).word},
+             {"fault", fault::to_words(fault, nodes_)},
+             {"age_s", seconds(age)},
+             {"waits", of_line && of_line->waits},
+             {"hits", of_line ? of_line->hits : cpu_hits(fault.name)}};
+    if (fault.packets != 0) row["packets_left"] = fault.packets - of_line->hits;
+    if (fault.lasts.count() != 0 && fault.after_packets == 0)
+      row["seconds_left"] = std::max(0.0, seconds(fault.after + fault.lasts - age));
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+std::uint64_t Faults::cpu_hits(Name fault) const { return fault == Name::babble ? cpu_.babbled() : 1; }
+
+}  // namespace limb_ring::runtime

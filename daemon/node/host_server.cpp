@@ -1,0 +1,233 @@
+#include "node/host_server.h"
+
+#include <unistd.h>
+
+#include <boost/asio/post.hpp>
+#include <system_error>
+#include <utility>
+
+#include "io/unix_socket.h"
+
+namespace limb_ring::host {
+
+namespace {
+
+constexpr std::chrono::milliseconds kAcceptPause{100};
+
+}  // namespace
+
+HostServer::HostServer(boost::asio::io_context& io, HostOptions options, HostHandler& handler)
+    : io_(io),
+      options_(std::move(options)),
+      handler_(handler),
+      listener_(io, options_.directory, options_.id, options_.name),
+      accept_timer_(io) {
+  accept();
+}
+
+HostServer::~HostServer() { close(); }
+
+void HostServer::accept() {
+  listener_.acceptor().async_accept(
+      [this, alive = alive_](boost::system::error_code error, event_loop::UnixSocket socket) {
+        if (error == boost::asio::error::operation_aborted || !*alive) return;
+        if (error) return accept_again_later(error);
+        short_ = false;
+        process::UniqueFd client(socket.release(error));
+        if (frozen_) {
+          came_while_frozen_ = std::move(client);
+          return;
+        }
+        admit(std::move(client));
+        accept();
+      });
+}
+
+/// Too many open files, most likely: trying at once would only burn the processor.
+void HostServer::accept_again_later(const boost::system::error_code& why) {
+  if (!std::exchange(short_, true)) handler_.on_shortage(why.message());
+  accept_timer_.expires_after(kAcceptPause);
+  accept_timer_.async_wait([this, alive = alive_](boost::system::error_code error) {
+    if (!error && *alive) accept();
+  });
+}
+
+void HostServer::listen_again() {
+  accept_timer_.cancel();
+  listener_.listen_again();
+  if (!came_while_frozen_.valid()) accept();  // else the next one is taken when we go on
+}
+
+void HostServer::admit(process::UniqueFd socket) {
+  const ucred peer = process::peer_of(socket.get());
+  ClientInfo info;
+  info.id = ++last_id_;
+  info.pid = peer.pid;
+  const SessionPtr session = make_session(std::move(socket), info);
+  if (!session) {
+    ++counters_.refused_unwatched;
+    return;
+  }
+  if (peer.uid != geteuid()) {
+    ++counters_.refused_foreign;
+    return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +
+                        std::to_string(peer.uid));
+  }
+  if (sessions_.size() >= options_.max_clients + kKeptPlaces) {
+    ++counters_.refused_full;
+    return session->end(full());
+  }
+  sessions_.emplace(info.id, session);
+  session->start();
+}
+
+/// @return null where the kernel watches no more descriptors for us; the client finds its connection closed
+HostServer::SessionPtr HostServer::make_session(process::UniqueFd socket, const ClientInfo& info) try {
+  SessionOwner& owner = *this;
+  return std::make_shared<Session>(io_, std::move(socket), info, owner);
+} catch (const std::system_error&) {
+  return nullptr;
+}
+
+std::string HostServer::full() const {
+  return whose() + " has " + std::to_string(options_.max_clients) + " clients already (limits.clients)";
+}
+
+/// "node 3 (left_knee)"
+std::string HostServer::whose() const {
+  if (options_.name.empty()) return "ring " + options_.ring;
+  return "node " + std::to_string(options_.id) + " (" + options_.name + ")";
+}
+
+Session* HostServer::find(ClientId client) {
+  const auto found = sessions_.find(client);
+  return found == sessions_.end() ? nullptr : found->second.get();
+}
+
+void HostServer::on_end(Session& session, End end) {
+  count(end);
+  retire(session);
+}
+
+void HostServer::count(End end) {
+  switch (end) {
+    case End::closed:
+      return;
+    case End::garbage:
+      ++counters_.garbage;
+      return;
+    case End::never_greeted:
+      ++counters_.never_greeted;
+      return;
+    case End::too_slow:
+      ++counters_.slow_clients;
+      return;
+  }
+}
+
+/// The handler is told later, from the event loop: it may be the one that is calling us.
+void HostServer::retire(Session& session) {
+  const auto found = sessions_.find(session.info().id);
+  if (found == sessions_.end()) return;
+  if (cpu_ == found->second) cpu_.reset();
+  if (booting_cpu_ == found->second) left_cpu_ = std::move(booting_cpu_);
+  ended_.push_back(std::move(found->second));
+  sessions_.erase(found);
+  boost::asio::post(io_, [this, alive = alive_] {
+    if (*alive) tell_detached();
+  });
+}
+
+void HostServer::tell_detached() {
+  if (const SessionPtr left = std::move(left_cpu_)) {
+    options_.turns->left(options_.id);
+    handler_.on_left(left->info().pid);
+  }
+  for (const SessionPtr& session : std::exchange(ended_, {})) {
+    if (session->attached()) handler_.on_detach(session->info());
+  }
+}
+
+const ClientInfo* HostServer::cpu() const { return cpu_ ? &cpu_->info() : nullptr; }
+
+bool HostServer::cpu_can_take() const { return cpu_ && cpu_->credit > 0; }
+
+void HostServer::give(const client::PacketView& packet) {
+  if (!cpu_can_take()) return;
+  --cpu_->credit;
+  cpu_->put(packet);
+}
+
+bool HostServer::interrupt(const limb_ring::Interrupt& interrupt) {
+  if (!cpu_) {
+    ++counters_.interrupts_lost;
+    return false;
+  }
+  cpu_->put(interrupt);
+  return true;
+}
+
+void HostServer::result(ClientId client, const Result& result) {
+  if (Session* session = find(client)) session->put_result(result);
+}
+
+void HostServer::reply(ClientId client, std::uint32_t token, const std::string& json) {
+  Session* session = find(client);
+  if (session == nullptr) return;
+  if (json.size() <= client::kMaxReply) return session->put(Reply{token, json});
+  session->put(Reply{token, "{\"error\": \"the answer has " + std::to_string(json.size()) +
+                                " bytes, more than a host port carries\"}"});
+}
+
+void HostServer::observed(ClientId client, const std::string& json) {
+  Session* session = find(client);
+  if (session != nullptr && !session->put_observed({json})) ++counters_.observed_lost;
+}
+
+bool HostServer::captured(ClientId client, const client::CapturedView& packet) {
+  Session* session = find(client);
+  if (session == nullptr || session->put_captured(packet)) return true;
+  ++counters_.captured_lost;
+  return false;
+}
+
+void HostServer::capture_counts(ClientId client, const CaptureCounts& counts) {
+  if (Session* session = find(client)) session->put(counts);
+}
+
+void HostServer::disconnect(ClientId client, const std::string& reason) {
+  Session* session = find(client);
+  if (session == nullptr) return;
+  session->end(reason);
+  retire(*session);
+}
+
+void HostServer::disconnect_booting_cpu(const std::string& reason) {
+  if (booting_cpu_) disconnect(booting_cpu_->info().id, reason);
+}
+
+void HostServer::freeze() {
+  frozen_ = true;
+  for (const auto& [id, session] : sessions_) session->freeze();
+}
+
+void HostServer::thaw() {
+  frozen_ = false;
+  for (const auto& [id, session] : std::map(sessions_)) session->thaw();  // one may end
+  if (!came_while_frozen_.valid()) return;
+  admit(std::move(came_while_frozen_));
+  accept();
+}
+
+void HostServer::close(const std::string& reason) {
+  *alive_ = false;
+  accept_timer_.cancel();
+  came_while_frozen_.reset();
+  listener_.close();
+  for (const auto& [id, session] : sessions_) session->end(reason);
+  sessions_.clear();
+  ended_.clear();
+  for (SessionPtr* cpu : {&cpu_, &booting_cpu_, &left_cpu_}) cpu->reset();
+}
+
+}  // namespace limb_ring::host

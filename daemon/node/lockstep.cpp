@@ -1,0 +1,228 @@
+#include "node/lockstep.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <csignal>
+#include <optional>
+
+#include "io/process_state.h"
+#include "node/cpu_process.h"
+
+namespace limb_ring::virtual_host {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+/// How long await_messages() goes on before the event loop has its turn, real time.
+constexpr milliseconds kAwaiting{2};
+/// So many turns in one instant has no program that waits for anything: it asks, or sends what is rejected, again and
+/// again, or waits for a time that is over. Time would stand for ever.
+constexpr unsigned kMostTurns = 10'000;
+constexpr milliseconds kRest{1};  ///< of the ring's time
+
+double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
+
+}  // namespace
+
+Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config)
+    : ring_(ring),
+      config_(config),
+      boots_(ring, config, [this](std::uint8_t node) { return frozen_.count(node) + hung_.count(node) != 0; }) {
+  for (const config::NodeConfig& node : config.nodes) boots_.expect_bridge(node.id);
+}
+
+nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch()); }
+
+// ---- who comes ------------------------------------------------------------------------------
+
+void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
+  news_ = true;
+  if (boots_.greeted(node, attach)) return;
+  disturbed_ = true;  // nobody knew when it would come
+  attach();
+}
+
+void Lockstep::left(std::uint8_t node) {
+  boots_.left(node);
+  news_ = true;
+}
+
+void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) {
+  session->end_turn(nanoseconds{0});  // its first turn comes at once
+  programs_[{node, session->info().id}] = {session, {}};
+  news_ = true;
+}
+
+void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
+  const bool is_new = boots_.changed(node, cpu);
+  if (is_new || cpu.ending || cpu.pid <= 0) hung_.erase(node);
+  news_ = true;
+}
+
+void Lockstep::cpu_signalled(std::uint8_t node, int number) {
+  if (number == SIGSTOP) hung_.insert(node);
+  if (number == SIGCONT && hung_.erase(node) != 0) goes_on(node);
+  if (runtime::is_fatal(number)) {
+    boots_.ends(node);
+    for (auto& [key, program] : programs_)
+      if (key.first == node && program.session->info().role == Role::cpu) program.dies = true;
+  }
+  news_ = true;
+}
+
+void Lockstep::node_died(std::uint8_t node) {
+  boots_.forget(node);
+  frozen_.erase(node);
+  hung_.erase(node);
+}
+
+void Lockstep::node_thawed(std::uint8_t node) {
+  frozen_.erase(node);
+  goes_on(node);
+}
+
+// Time limits of a program that booted or acted meanwhile start again now.
+void Lockstep::goes_on(std::uint8_t node) {
+  boots_.goes_on(node);
+  for (auto& [key, program] : programs_)
+    if (key.first == node) {
+      program.turn_since = steady_clock::now();
+      program.stuck = false;
+    }
+}
+
+// ---- whose turn it is -----------------------------------------------------------------------
+
+void Lockstep::forget_gone() {
+  for (auto it = programs_.begin(); it != programs_.end();) {
+    const host::Session& session = *it->second.session;
+    if (session.ended_by_client() && !session.turn().is_on() && !it->second.dies) left_ = true;
+    it = session.open() ? std::next(it) : programs_.erase(it);
+  }
+}
+
+/// It has no turns, and time does not wait for it.
+bool Lockstep::is_away(const Entry& entry) const {
+  const auto& [key, program] = entry;
+  if (frozen_.count(key.first) != 0) return true;
+  if (program.session->info().role != Role::cpu) return false;
+  return hung_.count(key.first) != 0 || boots_.is_ending(key.first);
+}
+
+Lockstep::Entry* Lockstep::acting() {
+  forget_gone();
+  for (Entry& entry : programs_) {
+    auto& [key, program] = entry;
+    if (is_away(entry)) continue;
+    if (program.session->turn().is_on() && !program.stuck) return &entry;
+    if (!program.session->turn().is_on() && std::exchange(program.stuck, false))
+      spdlog::info("{}: its CPU goes on, at {:.9f} s", config_.find(key.first)->name, seconds(ring_.now()));
+  }
+  return nullptr;
+}
+
+void Lockstep::await_messages() {
+  const Instant end = steady_clock::now() + kAwaiting;
+  while (Entry* entry = acting())
+    if (!await_message_of(*entry) || steady_clock::now() >= end) return;
+}
+
+/// @return false where it says nothing yet
+bool Lockstep::await_message_of(Entry& entry) {
+  auto& [key, program] = entry;
+  const bool heard = program.session->await_message();
+  if (!program.session->open() || !program.session->turn().is_on()) return true;
+  const bool stopped = !heard && process::is_stopped(program.session->info().pid);
+  if (stopped || steady_clock::now() - program.turn_since >= patience_with(key.first)) gets_stuck(key.first, program);
+  return heard;
+}
+
+/// A bridge waits for its controller, with limits of its own.
+milliseconds Lockstep::patience_with(std::uint8_t node) const {
+  const milliseconds stall = config_.virtual_clock.stall;
+  return boots_.is_bridge(node) ? Boots::kAttachedWithin + 3 * stall : stall;
+}
+
+bool Lockstep::is_stuck(std::uint8_t node) const {
+  const auto stuck = [node](const Entry& entry) { return entry.first.first == node && entry.second.stuck; };
+  return hung_.count(node) != 0 || std::any_of(programs_.begin(), programs_.end(), stuck);
+}
+
+void Lockstep::gets_stuck(std::uint8_t node, Program& program) {
+  program.stuck = true;
+  program.session->wait_no_more();
+  const pid_t pid = program.session->info().pid;
+  left_ = left_ || process::is_stopped(pid);
+  if (process::is_stopped(pid))
+    return spdlog::warn("{}: its CPU, pid {}, is stopped, at {:.9f} s of the ring's time; the ring goes on without it",
+                        config_.find(node)->name, pid, seconds(ring_.now()));
+  somebody_was_stuck_ = true;
+  spdlog::warn(
+      "{}: its CPU ({}, pid {}) is stuck at {:.9f} s of the ring's time: it has not waited again for {} ms; the "
+      "ring goes on without it",
+      config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), patience_with(node).count());
+  on_stuck(node, process::program_of(pid) + ", does not answer");
+}
+
+nanoseconds Lockstep::next_turn(const Program& program) const {
+  const nanoseconds wanted = program.session->turn().has_news() ? now() : program.session->turn().next();
+  return program.restless ? std::max(wanted, program.turn_at + kRest) : wanted;
+}
+
+void Lockstep::begin_turn(std::uint8_t node, Program& program) {
+  if (now() > program.turn_at + kRest) program.restless = false;  // it has waited by itself
+  if (std::exchange(program.turn_at, now()) != now()) program.turns = 0;
+  if (++program.turns > kMostTurns && !program.restless) gets_restless(node, program);
+  program.turn_since = steady_clock::now();
+  program.session->begin_turn(now());
+}
+
+void Lockstep::gets_restless(std::uint8_t node, Program& program) {
+  program.restless = true;
+  const std::string name = process::program_of(program.session->info().pid);
+  spdlog::warn(
+      "{}: its CPU ({}, pid {}) lets no time pass at {:.9f} s of the ring's time: {} turns in this instant; it "
+      "asks, or sends what is rejected, again and again, or waits for a time that is over. From now on it has a turn "
+      "each {} ms",
+      config_.find(node)->name, name, program.session->info().pid, seconds(ring_.now()), kMostTurns, kRest.count());
+  on_stuck(node, name + ", lets no time pass");
+}
+
+bool Lockstep::give_turns() {
+  std::optional<std::uint8_t> given;
+  for (Entry& entry : programs_) {
+    auto& [key, program] = entry;
+    const host::Session& session = *program.session;
+    if (given == key.first || is_away(entry) || !session.open() || session.turn().is_on()) continue;
+    if (next_turn(program) > now()) continue;
+    begin_turn(key.first, program);
+    given = key.first;
+  }
+  return given.has_value();
+}
+
+core::Time Lockstep::next_wake() const {
+  nanoseconds earliest = nanoseconds::max();
+  for (const Entry& entry : programs_) {
+    const Program& program = entry.second;
+    if (!program.session->turn().is_on() && !is_away(entry)) earliest = std::min(earliest, next_turn(program));
+  }
+  return earliest == nanoseconds::max() ? core::kNever : core::Time{} + earliest;
+}
+
+std::string Lockstep::not_repeatable() const {
+  std::string why;
+  const auto add = [&why](bool holds, const char* what) {
+    if (holds) why += std::string(why.empty() ? "" : ", and ") + what;
+  };
+  add(disturbed_, "a program that the clock does not wait for has come, or has changed something");
+  add(somebody_was_stuck_, "a CPU was stuck");
+  add(left_, "a CPU ended or was stopped while it waited");
+  return why;
+}
+
+}  // namespace limb_ring::virtual_host

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "config/ring_config.h"
+#include "node/cpu_status.h"
+#include "node/session.h"
+#include "node/turn_keeper.h"
+#include "node/virtual_boots.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::virtual_host {
+
+/// The programs that run in lockstep with the ring's clock, and which of them may act. What they do in one instant is
+/// ordered by node. Time goes on when all wait. A CPU that boots or ends stops the clock at a fixed instant, so that a
+/// run does not depend on how long it really takes.
+class Lockstep final : public host::TurnKeeper {
+ public:
+  /// All outlive this. No CPU attaches before its boot_time is over.
+  Lockstep(sim::VirtualRing& ring, const config::RingConfig& config);
+
+  // From the host ports.
+  std::chrono::nanoseconds now() const override;
+  void greeted(std::uint8_t node, std::function<void()> attach) override;
+  void left(std::uint8_t node) override;
+  void joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) override;
+  void has_news() override { news_ = true; }
+  void disturbed() override { disturbed_ = true; }
+  void credited(std::uint8_t node, unsigned packets) override { on_credited(node, packets); }
+  /// What is known of the CPU process of a node has changed.
+  void cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu);
+  /// The node's CPU process was sent a signal. SIGSTOP takes it out of the lockstep at this very instant, SIGCONT
+  /// brings it back. After a signal that ends it, the clock stands until it has ended.
+  void cpu_signalled(std::uint8_t node, int number);
+
+  /// @name Faults of whole nodes, called while no program acts
+  ///@{
+  /// Its clients are gone, and nobody boots there.
+  void node_died(std::uint8_t node);
+  /// It has started: if others start its CPU, that is waited for as at the ring's start.
+  void node_started(std::uint8_t node) { boots_.expect_bridge(node); }
+  /// Its programs have no turns, and time does not wait for them.
+  void node_frozen(std::uint8_t node) { frozen_.insert(node); }
+  void node_thawed(std::uint8_t node);
+  ///@}
+
+  /// Whether something has happened that a program must learn of before time goes on. Clears the flag.
+  bool take_news() { return std::exchange(news_, false); }
+  bool has_news_now() const { return news_; }
+  /// A program acts: time stands.
+  bool somebody_acts() { return acting() != nullptr; }
+  /// Waits briefly for messages of the acting programs, one after the other, and handles them. A program that takes too
+  /// long counts as stuck from then on.
+  void await_messages();
+  /// Gives a turn to programs that have messages, or whose wait is over: one per node at a time. Different nodes may
+  /// act side by side, as they see each other's actions only later. @return false if there is none
+  bool give_turns();
+  /// When the next program wants to wake, so how far time may go on; kNever: no limit.
+  core::Time next_wake() const;
+  /// As Boots.
+  core::Time held_at() const { return boots_.held_at(); }
+  /// As Boots.
+  bool attach_those_due() { return boots_.attach_those_due(); }
+
+  /// The program that is the CPU of that node does not answer, or is stopped.
+  bool is_stuck(std::uint8_t node) const;
+  /// As TurnKeeper::credited().
+  std::function<void(std::uint8_t node, unsigned packets)> on_credited = [](std::uint8_t, unsigned) {};
+  /// A program does not answer, or lets no time pass. @param what its name, and which of them
+  std::function<void(std::uint8_t node, const std::string& what)> on_stuck = [](std::uint8_t, const std::string&) {};
+
+  /// Why this run is not repeatable; empty if no reason is known.
+  std::string not_repeatable() const;
+
+ private:
+  using Instant = std::chrono::steady_clock::time_point;
+  struct Program {
+    std::shared_ptr<host::Session> session;
+    Instant turn_since{};
+    std::chrono::nanoseconds turn_at{-1};  ///< of the ring's time: its last turn
+    unsigned turns = 0;                    ///< in that instant
+    bool restless = false;                 ///< had too many of them: its turns are kRest apart
+    bool stuck = false;
+    bool dies = false;  ///< was sent a signal that ends it
+  };
+  using Key = std::pair<std::uint8_t, host::ClientId>;
+  using Entry = std::pair<const Key, Program>;
+
+  bool is_away(const Entry& entry) const;
+  void goes_on(std::uint8_t node);
+  std::chrono::milliseconds patience_with(std::uint8_t node) const;
+  Entry* acting();
+  bool await_message_of(Entry& entry);
+  void gets_stuck(std::uint8_t node, Program& program);
+  std::chrono::nanoseconds next_turn(const Program& program) const;
+  void begin_turn(std::uint8_t node, Program& program);
+  void gets_restless(std::uint8_t node, Program& program);
+  void forget_gone();
+
+  sim::VirtualRing& ring_;
+  const config::RingConfig& config_;
+  std::map<Key, Program> programs_;
+  std::set<std::uint8_t> frozen_;
+  std::set<std::uint8_t> hung_;  ///< nodes whose CPU was stopped
+  Boots boots_;
+  bool news_ = false;
+  bool disturbed_ = false;
+  bool somebody_was_stuck_ = false;
+  bool left_ = false;  ///< a CPU has ended, or was stopped, by others
+};
+
+}  // namespace limb_ring::virtual_host

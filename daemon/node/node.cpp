@@ -1,0 +1,114 @@
+#include "node/node.h"
+
+#include <unistd.h>
+
+namespace limb_ring::runtime {
+namespace {
+
+CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig& node, const NodeBase& base) {
+  CpuOptions options;
+  options.cpu = node.cpu;
+  options.environment = {
+      {"LIMB_RING_RING", ring.ring}, {"LIMB_RING_NODE", std::to_string(node.id)}, {"LIMB_RING_CONFIG", ring.path}};
+  options.boot_timeout = ring.timeouts.cpu_boot;
+  options.affinity = base.cpu_cores;
+  options.boots_for = base.cpu_boots_for;
+  options.on_signal = base.on_cpu_signal;
+  options.output = base.cpu_output;
+  options.log_prefix = base.log_prefix;
+  return options;
+}
+
+host::HostOptions host_options(const config::RingConfig& ring, const config::NodeConfig& node,
+                               const std::string& directory, host::TurnKeeper* turns) {
+  return {directory, ring.ring, node.id, node.name, ring.limits.clients, turns};
+}
+
+}  // namespace
+
+Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config,
+           const NodeBase& base)
+    : folder_(base.folder ? base.folder : std::make_shared<NodeFolder>(ring, config)),
+      start_anew_(base.start_anew),
+      driver_(base.make_driver(*folder_, router_)),
+      router_({config, base.log_prefix, reasons_, *driver_, host_, *folder_, cpu_, pins_, traffic_, interrupts_,
+               faults_, round_trips_, observers_, lately_damaged_}),
+      calls_({ring, *driver_, host_, cpu_, requests_, observers_, packet_observers_, promise_observers_}),
+      filter_(base.make_filter ? base.make_filter(calls_) : nullptr),
+      host_(io, host_options(ring, config, folder_->path(), base.turns), filter_ ? *filter_ : calls_),
+      observers_(host_, driver_->clock()),
+      packet_observers_(wire::NodeId{config.id}, *driver_, host_),
+      promise_observers_(wire::NodeId{config.id}, folder_->path(), *driver_, host_),
+      cpu_(io, cpu_options(ring, config, base), *driver_, host_,
+           [this, tell = base.on_cpu_changed] {
+             const CpuStatus cpu = cpu_.status();
+             if (!cpu.unsettled) router_.on_cpu_changed();
+             if (tell) tell(cpu);
+           }),
+      pins_(config.pins, cpu_),
+      traffic_(*driver_),
+      sightings_(ring, config, *driver_, cpu_),
+      reasons_(ring, config, cpu_, *driver_),
+      interrupts_(*driver_, sightings_),
+      faults_(io, fault::nodes_by_id(ring), *driver_, cpu_, ring.timeouts.cpu_boot),
+      requests_({ring,
+                 config,
+                 *driver_,
+                 cpu_,
+                 router_,
+                 pins_,
+                 traffic_,
+                 interrupts_,
+                 reasons_,
+                 {ring, config, *driver_, faults_, [this] { power_cycle(); }},
+                 {ring, config, *driver_, cpu_, host_, faults_, round_trips_, lately_damaged_, supervisor_},
+                 base.clock}),
+      folder_watch_(io, folder_to_watch()) {
+  if (config::supervisor_of(ring).id == config.id)
+    supervisor_.emplace(ring, *driver_, interrupts_, sightings_,
+                        [this](const Watchdog::Finding& finding) { router_.on_finding(finding); });
+}
+
+void Node::start() {
+  cpu_.start();
+  folder_watch_.start();
+  if (supervisor_) supervisor_->start();
+}
+
+void Node::stop(std::function<void()> done) {
+  folder_watch_.stop();
+  if (supervisor_) supervisor_->stop();
+  traffic_.stop();
+  interrupts_.stop();
+  faults_.stop();
+  driver_->close();
+  host_.close();
+  cpu_.stop(std::move(done));
+}
+
+void Node::die() {
+  faults_.stop();
+  host_.close("");
+  cpu_.kill();
+}
+
+void Node::power_cycle() {
+  faults_.stop();
+  cpu_.kill();
+  start_anew_();
+}
+
+FolderWatch::Folder Node::folder_to_watch() {
+  return {folder_->path(), [this] { return folder_->is_in_place() && driver_->is_in_place() && host_.is_in_place(); },
+          [this] {
+            folder_->make_again();
+            driver_->listen_again();
+            host_.listen_again();
+          },
+          [this] {
+            cpu_.kill();
+            ::_exit(1);  // nothing is tidied up: the files of these names are the other daemon's
+          }};
+}
+
+}  // namespace limb_ring::runtime

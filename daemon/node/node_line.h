@@ -1,0 +1,66 @@
+#pragma once
+
+#include "core/line.h"
+#include "io/input.h"
+#include "io/output.h"
+#include "node/faulty_line.h"
+#include "node/link_settings.h"
+
+namespace limb_ring::runtime {
+
+/// What happens on the lines of a node, with the line it happens on. Names as in io/input_handler.h.
+struct LineHandler {
+  virtual void on_slice(core::Line line, const wire::Slice& slice) = 0;
+  virtual void on_batch_end() = 0;
+  virtual void on_input_gap(core::Line line) = 0;
+  virtual void on_input_up(core::Line line, wire::NodeId from) = 0;
+  virtual void on_input_lost(core::Line line, std::string_view reason) = 0;
+  virtual void on_output_up(core::Line line, wire::NodeId to) = 0;
+  virtual void on_output_lost(core::Line line, std::string_view reason) = 0;
+  virtual void on_output_ready(core::Line line) = 0;
+  virtual void on_unknown_peer(core::Line line, std::string_view reason) = 0;
+  virtual void on_output_refused(core::Line line, wire::NodeId by, std::string_view reason) = 0;
+
+ protected:
+  ~LineHandler() = default;
+};
+
+/// A line of the ring at this node: the link into the node, the link out of it, and the latter's faults on purpose.
+class NodeLine final : private link::InputHandler, private link::OutputHandler {
+ public:
+  /// All but `links` must outlive this.
+  NodeLine(boost::asio::io_context& io, const Clock& clock, const setup::LinkSettings& links, LineHandler& handler);
+
+  core::Line line() const { return line_; }
+  const link::Input& input() const { return input_; }
+  const link::Output& output() const { return output_; }
+  FaultyLine& faulty_line() { return faulty_line_; }
+  const FaultyLine& faulty_line() const { return faulty_line_; }
+  /// Puts it onto the line; leaves `slices` empty.
+  void write(wire::SliceWriter& slices, core::Time now);
+  void close();
+  /// Makes the listening socket again, after the runtime folder was removed. @throw std::runtime_error
+  void listen_again() { input_.listen_again(); }
+
+ private:
+  void on_slice(const wire::Slice& slice) override { handler_.on_slice(line_, slice); }
+  void on_batch_end() override { handler_.on_batch_end(); }
+  void on_input_gap() override { handler_.on_input_gap(line_); }
+  void on_input_up(std::uint8_t from) override { handler_.on_input_up(line_, wire::NodeId{from}); }
+  void on_input_lost(std::string_view reason) override { handler_.on_input_lost(line_, reason); }
+  void on_output_up(std::uint8_t to) override { handler_.on_output_up(line_, wire::NodeId{to}); }
+  void on_output_lost(std::string_view reason) override;
+  void on_output_ready() override { handler_.on_output_ready(line_); }
+  void on_unknown_peer(std::string_view reason) override { handler_.on_unknown_peer(line_, reason); }
+  void on_output_refused(std::uint8_t by, std::string_view reason) override {
+    handler_.on_output_refused(line_, wire::NodeId{by}, reason);
+  }
+
+  core::Line line_;
+  LineHandler& handler_;
+  link::Input input_;
+  link::Output output_;
+  FaultyLine faulty_line_;
+};
+
+}  // namespace limb_ring::runtime

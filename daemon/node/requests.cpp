@@ -1,0 +1,199 @@
+#include "node/requests.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+
+#include "config/names.h"
+#include "limb_ring/host_port.h"
+#include "node/clock_requests.h"
+#include "node/request_fields.h"
+#include "node/request_kind.h"
+#include "node/round_trips.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+using Action = config::PinConfig::Action;
+
+/// The first pin of a node wired to `action`. @throw RequestError where there is none
+std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std::string& name) {
+  if (const auto pin = config::first_pin(node, action)) return *pin;
+  throw RequestError("node " + node.name + " has no pin wired to " + name);
+}
+
+nlohmann::json node_json(const config::RingConfig& ring, const config::NodeConfig& node) {
+  nlohmann::json row{{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}};
+  if (const config::HostConfig* host = ring.host_of(node)) row["host"] = host->name;
+  return row;
+}
+
+nlohmann::json hosts_json(const config::RingConfig& ring) {
+  nlohmann::json hosts = nlohmann::json::array();
+  for (const config::HostConfig& host : ring.hosts)
+    hosts.push_back({{"name", host.name}, {"address", host.address}, {"ssh", host.ssh_destination()}});
+  return hosts;
+}
+
+std::string names() {
+  std::vector<std::string> names;
+  for (const RequestKind& kind : request_kinds()) names.push_back(kind.name);
+  return config::join(names);
+}
+
+}  // namespace
+
+void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
+  using Handler = void (Requests::*)(const Json&, const Answer&);
+  using FaultHandler = void (*)(const FaultTargets&, const Json&, const Answer&);
+  static const std::map<std::string, Handler> handlers{
+      {"clock", &Requests::clock},   {"config", &Requests::config}, {"latch", &Requests::latch},
+      {"ping", &Requests::ping},     {"reset", &Requests::reset},   {"shutdown", &Requests::shutdown},
+      {"status", &Requests::status}, {"stop", &Requests::stop},     {"sync", &Requests::sync}};
+  static const std::map<std::string, FaultHandler> fault_handlers{
+      {"clear_faults", clear_faults}, {"fault", begin_fault}, {"faults", list_faults}, {"remove_fault", remove_fault}};
+  try {
+    const Json request = object_in(text, kRequestRule);
+    if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRequestRule);
+    const RequestKind* kind = find_request_kind(request);
+    if (kind == nullptr)
+      throw RequestError("no request '" + request["do"].get<std::string>() + "'; there are " + names());
+    require_known_members(request, *kind);
+    const auto fault_handler = fault_handlers.find(kind->name);
+    if (fault_handler != fault_handlers.end()) return fault_handler->second(to_.faults, request, answer);
+    if (kind->name == "stop_latched") return stop_latched(request, of_cpu, answer);
+    const Answer while_here = [answer, here = std::weak_ptr<void>(here_)](const Json& reply) {
+      if (!here.expired()) answer(reply);
+    };
+    if (answer_clock_request(to_.virtual_clock, kind->name, request, while_here)) return;
+    (this->*handlers.at(kind->name))(request, answer);
+  } catch (const std::exception& error) {
+    answer({{"error", error.what()}});
+  }
+}
+
+bool Requests::changes_something(const std::string& text) {
+  const RequestKind* kind = find_request_kind(Json::parse(text, nullptr, /*allow_exceptions=*/false));
+  return kind != nullptr && kind->changes_something;
+}
+
+void Requests::clock(const Json&, const Answer& answer) {
+  Json now{{"now_ns", to_.driver.clock().now().time_since_epoch().count()}};
+  if (to_.virtual_clock != nullptr) add_state(*to_.virtual_clock, now);
+  answer(now);
+}
+
+void Requests::config(const Json&, const Answer& answer) {
+  Json nodes = Json::array();
+  for (const auto& node : to_.ring.nodes) nodes.push_back(node_json(to_.ring, node));
+  answer({{"ring", to_.ring.ring},
+          {"path", to_.ring.path},
+          {"nodes", nodes},
+          {"hosts", hosts_json(to_.ring)},
+          {"folds_back", to_.ring.folds_back()},
+          {"beacon_ms", to_.ring.timeouts.beacon.count()},
+          {"cpu_boot_ms", to_.ring.timeouts.cpu_boot.count()},
+          {"supervisor", config::supervisor_of(to_.ring).id}});
+}
+
+void Requests::status(const Json&, const Answer& answer) {
+  Json row = status_row(to_.status);
+  row["ring"] = to_.ring.ring;
+  answer(row);
+}
+
+// Only the CPU knows: a command that resumes may come too late, or from before the stop.
+void Requests::stop_latched(const Json& request, bool of_cpu, const Answer& answer) {
+  if (!of_cpu) throw RequestError("stop_latched is for the node's CPU alone");
+  const Json latched = request.value("latched", Json());
+  if (latched == "never")
+    to_.cpu.never_latches_stops();
+  else if (latched.is_boolean())
+    to_.cpu.stop_latched(latched.get<bool>());
+  else
+    throw RequestError("'latched' is missing or none of these; allowed: true, false, \"never\"");
+  answer(Json::object());
+}
+
+void Requests::latch(const Json&, const Answer& answer) { answer(latch_json(to_.pins.last_latch())); }
+
+void Requests::ping(const Json& request, const Answer& answer) {
+  TrafficRequest traffic;
+  traffic.to = wire::NodeId{node_in(to_.ring, request, "to").id};
+  traffic.duration = std::chrono::milliseconds(number_in(request, "duration_ms", 0, 0, 600'000));
+  const std::uint64_t count = traffic.duration.count() == 0 ? 10 : Traffic::kMostPackets;
+  traffic.count = number_in(request, "count", count, 1, Traffic::kMostPackets);
+  traffic.size = number_in(request, "size", wire::kMaxPayload, 1, wire::kMaxPayload);
+  traffic.priority = static_cast<std::uint8_t>(number_in(request, "priority", 2, 0, 3));
+  traffic.interval = std::chrono::microseconds(number_in(request, "interval_us", 0, 0, 10'000'000));
+  traffic.deadline = std::chrono::milliseconds(number_in(request, "deadline_ms", 60'000, 1, 3'600'000));
+  if (!to_.traffic.start(traffic, answer))
+    throw RequestError("this node makes traffic for " + std::to_string(Traffic::kMostRuns) + " others already");
+}
+
+void Requests::reset(const Json& request, const Answer& answer) {
+  const config::NodeConfig* target = &node_in(to_.ring, request, "node");
+  const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
+  if (target->cpu.kind == config::CpuConfig::Kind::none)
+    throw RequestError("node " + target->name + " has no CPU to reset");
+  const std::uint8_t factor = factor_of(*target, Action::reset, "reset");
+  if (!to_.interrupts.has_room_for_reset())
+    throw RequestError("this node waits for " + std::to_string(DaemonInterrupts::kMostResets) + " resets already");
+  to_.interrupts.reset(wire::NodeId{target->id}, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
+    const SendReason reason = to_.reasons.of(report.ended);
+    const bool explained = report.ended.outcome != core::Outcome::delivered && !report.success();
+    answer({{"success", report.success()},
+            {"effect", to_string(report.effect)},
+            {"outcome", core::to_string(report.ended.outcome)},
+            {"reason", reason.text},
+            {"reason_code", to_string(reason.reason)},
+            {"message", report.message + (explained && !reason.text.empty() ? ": " + reason.text : "")},
+            {"round_trip_us", statistics::microseconds(report.ended.round_trip)},
+            {"boots", report.boots},
+            {"confirmed_ms", std::chrono::duration_cast<std::chrono::milliseconds>(report.lasted).count()}});
+  });
+}
+
+// A broadcast is not received by its source (paper), but "stop all" means this CPU too.
+void Requests::stop(const Json& request, const Answer& answer) {
+  const std::uint8_t to = nodes_in(to_.ring, request, "node");
+  const config::NodeConfig& target = to == wire::kBroadcast ? to_.node : *to_.ring.find(to);
+  const std::uint8_t factor = factor_of(target, Action::stop, "stop");
+  if (to == wire::kBroadcast) to_.events.pull(factor, to_.node.id, to_.driver.clock().now().time_since_epoch().count());
+  to_.interrupts.interrupt(wire::NodeId{to}, factor,
+                           [this, answer](const core::SendEnded& ended) { answer(end_of(ended)); });
+}
+
+void Requests::sync(const Json&, const Answer& answer) {
+  const std::uint8_t factor = factor_of(to_.node, Action::sync, "sync");
+  const std::int64_t clock = to_.driver.clock().now().time_since_epoch().count();
+  to_.events.pull(factor, to_.node.id, clock);
+  to_.interrupts.interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
+    Json end = end_of(ended);
+    end["ring_size"] = to_.driver.controller().membership().ring_size();
+    end["clock_ns"] = clock;
+    const std::int64_t now = to_.driver.clock().now().time_since_epoch().count();
+    // The core's time of a send is that of the first slice of the turn, which may be before `clock` was read.
+    end["left_ns"] = std::max(clock, now - core::whole_nanoseconds(ended.round_trip).count());
+    answer(end);
+  });
+}
+
+// As SIGTERM would: the one way to end cleanly.
+void Requests::shutdown(const Json&, const Answer& answer) {
+  answer(Json::object());
+  ::kill(::getpid(), SIGTERM);
+}
+
+nlohmann::json Requests::end_of(const core::SendEnded& ended) const {
+  const SendReason reason = to_.reasons.of(ended);
+  return {{"outcome", to_string(public_outcome(ended.outcome))},
+          {"reason", reason.text},
+          {"reason_code", to_string(reason.reason)},
+          {"round_trip_us", statistics::microseconds(ended.round_trip)},
+          {"tries", ended.tries}};
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "config/ring_config.h"
+#include "node/cpu_socket.h"
+#include "node/faults.h"
+#include "node/host_server.h"
+#include "node/lately_damaged.h"
+#include "node/node_driver.h"
+#include "node/ring_supervisor.h"
+#include "node/round_trips.h"
+
+namespace limb_ring::runtime {
+
+/// Whose state a status row shows.
+struct StatusSources {
+  const config::RingConfig& ring;
+  const config::NodeConfig& node;
+  const NodeDriver& driver;
+  const CpuSocket& cpu;
+  const host::HostServer& host;
+  Faults& faults;
+  const RoundTrips& round_trips;
+  const LatelyDamaged& lately_damaged;
+  const std::optional<RingSupervisor>& supervisor;  ///< none where another node is the ring's supervisor
+};
+
+/// A node's row of `ringctl status --json`, as docs/reference/requests.md describes it.
+nlohmann::json status_row(const StatusSources& from);
+
+/// A latch of a node's clock, as the request `latch` answers.
+nlohmann::json latch_json(const wire::ClockLatch& latch);
+
+}  // namespace limb_ring::runtime

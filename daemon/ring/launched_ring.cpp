@@ -1,0 +1,87 @@
+#include "ring/launched_ring.h"
+
+#include <algorithm>
+#include <csignal>
+
+#include "limb_ring/ring_directory.h"
+
+namespace limb_ring::live {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{50};
+
+}  // namespace
+
+std::string LaunchedDaemon::exit_reason() const {
+  const std::string how = ended() ? ended()->text : "still runs";
+  const std::string what = all ? "the virtual ring" : "node " + std::to_string(id) + " (" + name + ")";
+  return what + " ended: " + how + last_lines();
+}
+
+LaunchedRing::LaunchedRing(LaunchRequest request)
+    : request_(std::move(request)), folder_(make_ring_directory(request_.ring)) {
+  try {
+    for (const LaunchRequest::Node& node : request_.nodes) daemons_.push_back(started(node));
+  } catch (...) {
+    signal(SIGTERM);
+    for (LaunchedDaemon& daemon : daemons_) daemon.program.end();
+    throw;
+  }
+}
+
+LaunchedDaemon LaunchedRing::started(const LaunchRequest::Node& node) const {
+  process::ProgramRequest ringd;
+  ringd.name = "ringd";
+  ringd.arguments = node.arguments;
+  ringd.lifetime = request_.lifetime;
+  ringd.cores = request_.cores;
+  if (request_.logged) ringd.log = folder_ + "/" + (node.all ? "ring" : std::to_string(node.id)) + ".log";
+  return {node.id, node.name, process::Program(ringd), node.all};
+}
+
+void LaunchedRing::start_again(std::size_t index) { daemons_[index] = started(request_.nodes[index]); }
+
+std::vector<const LaunchedDaemon*> LaunchedRing::reap() {
+  std::vector<const LaunchedDaemon*> ended;
+  for (LaunchedDaemon& daemon : daemons_)
+    if (daemon.program.reap()) ended.push_back(&daemon);
+  return ended;
+}
+
+bool LaunchedRing::any_running() const {
+  return std::any_of(daemons_.begin(), daemons_.end(), [](const auto& daemon) { return !daemon.ended(); });
+}
+
+const LaunchedDaemon* LaunchedRing::first_ended() const {
+  const auto found =
+      std::find_if(daemons_.begin(), daemons_.end(), [](const auto& daemon) { return daemon.ended().has_value(); });
+  return found == daemons_.end() ? nullptr : &*found;
+}
+
+void LaunchedRing::signal(int number) const {
+  for (const LaunchedDaemon& daemon : daemons_) daemon.program.signal(number);
+}
+
+void LaunchedRing::end(const Wait& wait, milliseconds grace) {
+  reap();
+  signal(SIGTERM);
+  signal(SIGCONT);  // one that is stopped would not see it
+  const auto deadline = steady_clock::now() + grace;
+  bool at_once = false;
+  while (any_running() && !at_once && steady_clock::now() < deadline) {
+    at_once = wait(kTick);
+    reap();
+  }
+  signal(SIGKILL);
+  const auto last = steady_clock::now() + grace;
+  while (any_running() && steady_clock::now() < last) {
+    wait(kTick);
+    reap();
+  }
+}
+
+}  // namespace limb_ring::live

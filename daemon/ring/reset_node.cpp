@@ -1,0 +1,104 @@
+#include "ring/reset_node.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "limb_ring/host_port.h"
+#include "ring/connect_node.h"
+#include "ring/not_done.h"
+#include "ring/ring_words.h"
+
+namespace limb_ring::ask {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kResetPollPeriod{50};
+constexpr milliseconds kMargin{2000};  ///< for the answer, beside the time that the reset is given
+
+const json* broken_line(const Rows& rows) {
+  for (const auto& [id, row] : rows)
+    if (row.contains("broken_line") && row["broken_line"].is_object()) return &row["broken_line"];
+  return nullptr;
+}
+
+json ask_daemon(const ResetQuery& query) {
+  HostPort port = live::connect_node(query.ring, std::to_string(query.from));
+  const json request{{"do", "reset"}, {"node", query.target}, {"timeout_ms", query.timeout.count()}};
+  return live::ask_for_people(port, request, query.timeout + kMargin);
+}
+
+// Round a fold nobody reaches all: with two breaks there are two parts.
+std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
+  const json* line = broken_line(rows);
+  if (line == nullptr) return "";
+  const auto is_folded = [](const auto& row) { return row.second.value("state", "") == "folded"; };
+  if (std::any_of(rows.begin(), rows.end(), is_folded))
+    return "; the ring has folded: if it is in two parts, a node of the target's part has to ask (--from)";
+  const auto before = line->value("before", std::uint8_t{0}), behind = line->value("behind", std::uint8_t{0});
+  if (behind == query.target)
+    return "; nothing reaches the first node of an open chain: " + way_to_first_of_chain(name_of(query.nodes, behind));
+  return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) +
+         " hears all others";
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> boots_in(const json& row, std::uint8_t target) {
+  if (row.value("id", -1) == target) return row.at("cpu").value("boots", 0u);
+  const json peer = lately_heard_in(row, target);
+  if (peer.is_null()) return std::nullopt;
+  return peer.value("cpu_boots", 0u);
+}
+
+bool has_no_cpu(const Rows& rows, std::uint8_t target) {
+  const auto row = rows.find(target);
+  if (row != rows.end()) return row->second.at("cpu").value("state", "") == "none";
+  const json heard = lately_heard(rows, target);
+  return !heard.is_null() && heard.value("cpu_state", "") == "none";
+}
+
+std::uint8_t best_sender(const Rows& rows, const ResetQuery& query) {
+  const json* line = broken_line(rows);
+  if (!query.from_is_free || line == nullptr) return query.from;
+  const auto behind = line->value("behind", query.from);
+  const bool chain = rows.count(behind) != 0 && rows.at(behind).value("state", "") == "open_chain";
+  return chain && behind != query.target ? behind : query.from;
+}
+
+json judged(json answer, const ResetQuery& query, const Rows& before, const Rows& now) {
+  for (const auto& [id, row] : now) {
+    const auto then = before.count(id) != 0 ? boots_in(before.at(id), query.target) : std::nullopt;
+    const auto boots = boots_in(row, query.target);
+    if (!then || !boots || *boots <= *then) continue;
+    const std::string who = id == query.target ? "its own daemon" : "its beacon at " + name_of(query.nodes, id);
+    answer["success"] = true;
+    answer["effect"] = "seen";
+    answer["boots"] = *boots;
+    answer["seen_by"] = id;
+    answer["message"] = "done, seen by " + who + ": the CPU has booted again";
+    return answer;
+  }
+  answer["message"] = answer.value("message", "") + where_to_ask(query, now);
+  return answer;
+}
+
+json reset_node(ResetQuery query) {
+  const Rows before = status_rows(query.ring, query.nodes, kRowTimeout);
+  if (has_no_cpu(before, query.target))
+    throw live::NotDone(name_of(query.nodes, query.target) + " has no CPU to reset");
+  query.from = best_sender(before, query);
+  const auto deadline = steady_clock::now() + query.timeout;
+  const json answer = ask_daemon(query);
+  if (answer.value("success", false)) return answer;
+  for (;;) {
+    const json known = judged(answer, query, before, status_rows(query.ring, query.nodes, kRowTimeout));
+    const bool over = known.value("effect", "") != "unknown" || steady_clock::now() >= deadline;
+    if (over) return known;
+    std::this_thread::sleep_for(kResetPollPeriod);
+  }
+}
+
+}  // namespace limb_ring::ask

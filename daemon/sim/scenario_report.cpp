@@ -1,0 +1,91 @@
+#include "sim/scenario_report.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+
+#include "config/xml_text.h"
+
+namespace limb_ring::scenario {
+
+namespace {
+
+std::ostringstream plain_stream() {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << std::fixed;
+  return out;
+}
+
+std::string milliseconds(nanoseconds time) {
+  std::ostringstream out = plain_stream();
+  out << std::setw(12) << time.count() / 1000000 << '.' << std::setfill('0') << std::setw(6) << time.count() % 1000000;
+  return out.str() + " ms";
+}
+
+std::string seconds(nanoseconds time) {
+  std::ostringstream out = plain_stream();
+  out << time.count() / 1000000000 << '.' << std::setfill('0') << std::setw(9) << time.count() % 1000000000;
+  return out.str();
+}
+
+/// Below the times.
+std::string trace_line(const ScenarioRun& run) {
+  if (!run.trace) return "";
+  const std::string why = run.trace->not_repeatable.empty() ? "" : "; not repeatable: " + run.trace->not_repeatable;
+  return std::string(milliseconds(nanoseconds{0}).size() + 2, ' ') + "trace hash " + run.trace->hash + why + '\n';
+}
+
+std::string begin_of_case(const std::string& path, const std::string& name, nanoseconds lasted) {
+  const std::string file = std::filesystem::path(path).stem().string();
+  return "    <testcase classname=\"scenarios\" name=\"" + config::xml_text(file + ": " + name) + "\" time=\"" +
+         seconds(lasted) + "\">\n";
+}
+
+std::string test_case(const ScenarioRun& run) {
+  std::string text = begin_of_case(run.path, run.name, run.lasted);
+  if (run.unmet)
+    text += "      <failure message=\"" +
+            config::xml_text("expected: " + run.unmet->expected + "; seen: " + run.unmet->seen) + "\"/>\n";
+  return text + "      <system-out>" + config::xml_text(text_of(run)) + "</system-out>\n    </testcase>\n";
+}
+
+std::string case_without_run(const Scenario& scenario, const std::string& element, const std::string& why) {
+  return begin_of_case(scenario.path, scenario.name, nanoseconds{0}) + "      <" + element + " message=\"" +
+         config::xml_text(why) + "\"/>\n    </testcase>\n";
+}
+
+}  // namespace
+
+std::string text_of(const ScenarioRun& run) {
+  const std::string where = run.live ? "live, " : run.trace ? "virtual, " : "";
+  std::string text = run.path + ": " + run.name + " (" + where + "seed " + std::to_string(run.seed) + ")\n";
+  for (const LogLine& line : run.log) text += milliseconds(line.at) + "  " + line.words + '\n';
+  if (!run.unmet) return text + milliseconds(run.lasted) + "  end: all as expected\n" + trace_line(run);
+  const std::string indent(milliseconds(run.lasted).size() + 2, ' ');
+  return text + milliseconds(run.unmet->at) + "  NOT as expected: " + run.unmet->expected + '\n' + indent +
+         "seen instead: " + run.unmet->seen + '\n' + trace_line(run);
+}
+
+std::string junit_of(const std::vector<ScenarioRun>& runs, const std::vector<Scenario>& scenarios,
+                     const std::string& stopped) {
+  const std::size_t tests = std::max(runs.size(), scenarios.size());
+  const std::size_t errors = runs.size() < tests ? 1 : 0;
+  nanoseconds all{0};
+  for (const ScenarioRun& run : runs) all += run.lasted;
+  const auto failures =
+      std::count_if(runs.begin(), runs.end(), [](const ScenarioRun& run) { return run.unmet.has_value(); });
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"scenarios\"";
+  text += " tests=\"" + std::to_string(tests) + "\" failures=\"" + std::to_string(failures) + "\"";
+  text += " errors=\"" + std::to_string(errors) + "\" skipped=\"" + std::to_string(tests - runs.size() - errors) + "\"";
+  text += " time=\"" + seconds(all) + "\">\n";
+  for (const ScenarioRun& run : runs) text += test_case(run);
+  for (std::size_t i = runs.size(); i < tests; ++i)
+    text += i == runs.size() ? case_without_run(scenarios[i], "error", stopped)
+                             : case_without_run(scenarios[i], "skipped", "not run");
+  return text + "  </testsuite>\n</testsuites>\n";
+}
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <deque>
+
+#include "config/line_faults.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::sim {
+
+/// Faults on the lines of a virtual ring: takes them down and up, and puts onto them later what they hold back.
+class VirtualLineFaults : public Observer {
+ public:
+  /// @param ring must outlive this, and never runs without it. @param seed of whatever is random
+  VirtualLineFaults(VirtualRing& ring, std::uint64_t seed);
+  VirtualLineFaults(const VirtualLineFaults&) = delete;
+  VirtualLineFaults& operator=(const VirtualLineFaults&) = delete;
+
+  /// Lays a tap on every line of the ring.
+  void tap_all();
+  /// On the line out of one node: without a tap a fault hits nothing.
+  void tap(wire::NodeId id, core::Line line);
+  /// On each line out of the fault's nodes. @pre it is of a line
+  void begin(const fault::Fault& fault);
+  /// @name On the line out of one node, as in fault::LineFaults
+  ///@{
+  fault::LineFaults::Id begin(wire::NodeId id, core::Line line, const fault::Fault& fault);
+  bool remove(wire::NodeId id, core::Line line, fault::LineFaults::Id fault);
+  void clear(wire::NodeId id, core::Line line);
+  std::vector<fault::LineFaults::Listed> list(wire::NodeId id, core::Line line);
+  const fault::LineCounters& counters(wire::NodeId id, core::Line line) const;
+  bool cut(wire::NodeId id, core::Line line) const { return lines_[static_cast<std::size_t>(line)][id].cut; }
+  ///@}
+  /// No line has a fault, holds anything back, or will be looked at again.
+  bool at_rest() const;
+  /// Ends all on all lines.
+  void mend_all();
+
+  /// For a tap of the caller's own: what comes out of the line now.
+  void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
+  /// The same, with these bits of one byte flipped. @pre at < slice.bytes.size
+  void pass_damaged(wire::NodeId id, core::Line line, const wire::Slice& slice, std::size_t at, std::uint8_t bits,
+                    wire::SliceWriter& arriving);
+  void incident(wire::NodeId id, Incident incident, core::Time now, core::Line line) override;
+
+ private:
+  struct Wire {
+    Wire(std::uint64_t seed, core::Duration byte_time) : faults(seed, byte_time) {}
+    fault::LineFaults faults;
+    bool cut = false;                ///< by a fault
+    core::Time wake = core::kNever;  ///< of the next poll()
+  };
+  Wire& wire_of(wire::NodeId id, core::Line line) { return lines_[static_cast<std::size_t>(line)][id]; }
+  template <class Each>
+  void each_line(Each each) const {
+    for (const core::Line line : ring_.lines())
+      for (std::size_t id = 0; id < lines_[static_cast<std::size_t>(line)].size(); ++id)
+        each(static_cast<wire::NodeId>(id), line);
+  }
+  void poll(wire::NodeId id, core::Line line);
+  void poll_later(wire::NodeId id, core::Line line);
+  void cut_line(wire::NodeId id, core::Line line);
+
+  VirtualRing& ring_;
+  std::array<std::deque<Wire>, 2> lines_;  ///< out of each node, by Line; no second ones without fold-back
+  wire::SliceWriter late_;
+};
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "limb_ring/payload/joint_command.h"
+#include "tools/firmware/timestamps.h"
+
+namespace limb_ring::firmware {
+
+/// What becomes of a command.
+enum class Verdict : std::uint8_t {
+  obey,
+  expired,   ///< later than stamp + valid_for: this CPU was frozen, or the packet was held up
+  early,     ///< stamped further ahead than valid_for: the clocks of the two hosts disagree
+  older,     ///< not newer than the last one obeyed
+  stopped,   ///< a stop is latched, and this does not resume, or was given before the stop
+  unfit,     ///< for more joints than this node has
+  malformed  ///< the bytes are no command
+};
+constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::malformed) + 1;
+const char* to_string(Verdict verdict);
+
+/// Lets a command through only where it may be acted on now (ours, protocol.md section 9.1).
+///
+/// Stamps are compared by wall clock, the only one that the nodes share. Order is by stamp, then
+/// by sequence: a commander that restarts counts from 0, but its stamps go on. The order is
+/// remembered for `memory` only, so that a wall clock set back does not lock commands out; beyond
+/// that, expiry alone protects.
+class CommandFilter {
+ public:
+  explicit CommandFilter(nanoseconds memory) : memory_(memory) {}
+
+  /// Remembers what it lets through, and ends the stop where that resumes.
+  Verdict judge(const payload::JointCommand& command, const Timestamps& now);
+  /// Latches a stop until a command that resumes and was given later than this.
+  void stop(const Timestamps& now) { stopped_at_ = now.monotonic; }
+  bool stopped() const { return stopped_at_.has_value(); }
+
+ private:
+  struct Obeyed {
+    std::int64_t stamp_ns;
+    std::uint16_t sequence;
+    nanoseconds at;
+  };
+
+  bool is_older(const payload::JointCommand& command, nanoseconds now) const;
+  bool held_by_stop(const payload::JointCommand& command, const Timestamps& now) const;
+
+  nanoseconds memory_;
+  std::optional<Obeyed> last_;
+  std::optional<nanoseconds> stopped_at_;
+};
+
+}  // namespace limb_ring::firmware

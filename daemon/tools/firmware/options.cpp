@@ -1,0 +1,56 @@
+#include "tools/firmware/options.h"
+
+#include <cmath>
+
+#include "tools/cli/command_line.h"
+#include "tools/cli/values.h"
+
+namespace limb_ring::firmware {
+namespace {
+
+constexpr double kLongest = 1e9;  // seconds
+constexpr const char* kFooter =
+    "A user packet \"hang\" makes it hang: reads nothing, says nothing, ignores SIGTERM.\n"
+    "Exit codes: 0 on SIGTERM and SIGINT, 1 when its daemon is gone or not there, 2 on\n"
+    "wrong arguments or configuration, N when a user packet (channel 0) says \"exit N\".";
+
+/// What is asked for instead of a run; empty where nothing is.
+std::string read(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    return cli::read(app, {argv + 1, argv + argc}).value_or("");
+  } catch (const cli::WrongCommandLine& wrong) {
+    throw OptionsError(wrong.what());
+  }
+}
+
+}  // namespace
+
+Options parse_options(int argc, const char* const* argv) {
+  Options options;
+  double hang_after_s = 0, endless_loop_at_s = 0;
+  CLI::App app("The CPU of a limb node, with simulated joints.", "limb_firmware");
+  app.footer(kFooter);
+  app.add_option("--config", options.config, "YAML of the ring; without one there are no joints")
+      ->envname("LIMB_RING_CONFIG");
+  app.add_option("--node", options.node, "The node this is the CPU of, id or name")->envname("LIMB_RING_NODE");
+  app.add_option("--ring", options.ring, "Name of the ring, where several run")->envname("LIMB_RING_RING");
+  const CLI::Option* hang = app.add_option("--hang-after", hang_after_s,
+                                           "Hang on purpose this long after the start, such as 1.5s; 0 to 1e9 s")
+                                ->transform(cli::seconds(0, kLongest));
+  const CLI::Option* loop =
+      app.add_option("--endless-loop-at", endless_loop_at_s,
+                     "On a virtual ring: be caught in an endless loop at that instant of its clock, such as 20s; a "
+                     "process that starts later is not; 0 to 1e9 s")
+          ->transform(cli::seconds(0, kLongest));
+  app.add_option("--command-log", options.command_log,
+                 "Append a line to this file for each joint command obeyed: when it came, and its stamp, both in ns of "
+                 "the clock of stamps");
+  options.print = read(app, argc, argv);
+  if (hang->count() > 0) options.hang_after = std::chrono::nanoseconds(std::llround(hang_after_s * 1e9));
+  if (loop->count() > 0) options.endless_loop_at = std::chrono::nanoseconds(std::llround(endless_loop_at_s * 1e9));
+  if (options.node.empty() && options.print.empty())
+    throw OptionsError("which node is this the CPU of? Give --node ID or NAME, or LIMB_RING_NODE");
+  return options;
+}
+
+}  // namespace limb_ring::firmware

@@ -1,0 +1,130 @@
+#include "tools/ring_sim/command_line.h"
+
+#include <iostream>
+#include <limits>
+
+#include "config/config_error.h"
+#include "config/quantity.h"
+#include "sim/watched_ring.h"
+#include "tools/cli/command_line.h"
+#include "tools/cli/values.h"
+#include "tools/common/shell_word.h"
+#include "tools/ring_sim/commands.h"
+#include "tools/ring_sim/problems.h"
+#include "wire/data_packet.h"
+#include "wire/pcapng_reader.h"
+
+namespace limb_ring::ring_sim {
+
+CLI::App* add_command(CLI::App& app, const char* name, const char* description) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->footer(kExitCodesHelp);
+  return command;
+}
+
+void add_format(CLI::App& command, app::Format& format) {
+  auto* json = command.add_flag_callback(
+      "--json", [&format] { format = app::Format::json; }, "Print JSON, for programs");
+  auto* csv = command.add_flag_callback(
+      "--csv", [&format] { format = app::Format::csv; }, "Print CSV, for programs");
+  json->excludes(csv);
+}
+
+namespace {
+
+constexpr std::uint64_t kMostRate = 100'000'000'000;
+
+std::string read_rate(const std::string& text, study::Medium& medium) {
+  const auto rate = config::parse_rate(text);
+  if (!rate || *rate < 1000 || *rate > kMostRate)
+    return "'" + text + "' is no rate: 1kbit/s to 100Gbit/s, as 1Gbit/s, 16Mbit/s or a number of bit/s";
+  medium.rate = *rate;
+  return {};
+}
+
+std::string read_delay(const std::string& text, study::Medium& medium) {
+  const auto delay = config::parse_time(text);
+  if (!delay || delay->count() < 0 || *delay > std::chrono::seconds(1))
+    return "'" + text + "' is no time of 0s to 1s, with its unit: 512ns, 1us";
+  medium.relay_delay = *delay;
+  return {};
+}
+
+}  // namespace
+
+void add_medium(CLI::App& command, study::Medium& medium) {
+  command.add_option("--nodes", medium.nodes, "Nodes, 2 to 254; default 16")->transform(cli::whole(2, 254));
+  command.add_option("--payload", medium.payload, "Bytes of data in a packet, 1 to 512; default 512")
+      ->transform(cli::whole(1, wire::kMaxPayload));
+  add_lines(command, medium);
+}
+
+void add_lines(CLI::App& command, study::Medium& medium) {
+  const auto add = [&command, &medium](const char* name, const char* type, const char* text, auto read) {
+    command
+        .add_option_function<std::string>(
+            name, [](const std::string&) {}, text)
+        ->check(CLI::Validator([&medium, read](const std::string& value) { return read(value, medium); }, type));
+  };
+  add("--rate", "RATE", "Data rate R of every line, bit/s or with a unit; default 1Gbit/s", read_rate);
+  add("--relay-delay", "TIME", "Relay delay d of every node, with a unit; default 512ns", read_delay);
+}
+
+void add_seed(CLI::App& command, std::uint64_t& seed) {
+  command.add_option("--seed", seed, "Seed of everything random, from 0; default 1")
+      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
+}
+
+namespace {
+
+int failed(const std::exception& problem, ExitCode code) {
+  std::cerr << "ring_sim: " << problem.what() << '\n';
+  return code;
+}
+
+/// The command line that repeats a run: the seed is said where it was not given.
+std::string again(int argc, char** argv) {
+  std::string text = "again with: ring_sim";
+  bool seed = false;
+  for (int i = 1; i < argc; ++i) {
+    text += ' ' + app::shell_word(argv[i]);
+    seed = seed || std::string(argv[i]).rfind("--seed", 0) == 0;
+  }
+  return text + (seed ? "" : " --seed 1");
+}
+
+int act(const Context& context, int argc, char** argv) {
+  try {
+    return context.action();
+  } catch (const sim::BrokenPromise& broken) {
+    std::cerr << "ring_sim: " << broken.what() << '\n' << again(argc, argv) << '\n';
+    return kBroken;
+  } catch (const UsageError& problem) {
+    return failed(problem, kUsage);
+  } catch (const config::ConfigError& problem) {
+    return failed(problem, kUsage);
+  } catch (const capture::CaptureFileError& problem) {
+    return failed(problem, kUsage);
+  } catch (const std::exception& problem) {
+    return failed(problem, kBroken);
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  Context context;
+  CLI::App app("The ring of limb_ring under a virtual clock: the very core that ringd runs.", "ring_sim");
+  app.footer(kExitCodesHelp);
+  app.require_subcommand(1);
+  add_run(app, context);
+  add_plan(app, context);
+  add_compare(app, context);
+  for (const auto add : {add_table, add_compare_traces, add_soak, add_explore}) add(app, context);
+  for (const char* name : {"table", "compare-traces", "soak", "explore"})
+    app.get_subcommand(name)->group("For those who change limb_ring");
+  if (const auto end = cli::parse(app, argc, argv)) return *end;
+  return act(context, argc, argv);
+}
+
+}  // namespace limb_ring::ring_sim

@@ -1,0 +1,239 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <random>
+
+#include "core/time.h"
+#include "io/signal_wait.h"
+#include "sim/trace.h"
+#include "study/soak/shrunk_soak.h"
+#include "tools/cli/output.h"
+#include "tools/cli/values.h"
+#include "tools/common/out_file.h"
+#include "tools/common/shell_word.h"
+#include "tools/ring_sim/commands.h"
+#include "tools/ring_sim/problems.h"
+#include "tools/ring_sim/progress.h"
+
+namespace limb_ring::ring_sim {
+
+namespace {
+
+struct SoakOptions {
+  std::uint64_t seeds = 1000;
+  std::uint64_t first = 0;  ///< drawn where it is not given: ranges that were run before find less
+  bool all_fold_back = false;
+  bool wide = false;
+  std::uint64_t failures = 1;
+  std::optional<std::string> shrink_into;  ///< folder
+  bool hashes = false;
+  app::Format format = app::Format::text;
+};
+
+/// Sends by outcome, and hops, over all seeds so far.
+struct Tally {
+  std::uint64_t seeds = 0, hops = 0;
+  std::array<std::uint64_t, wire::kOutcomes> ended{};
+
+  void add(const study::RandomFaults& run) {
+    ++seeds;
+    hops += run.hops();
+    for (std::size_t i = 0; i < ended.size(); ++i) ended[i] += run.ended()[i];
+  }
+  app::Row row(const SoakOptions& options) const {
+    app::Row out{{"first_seed", options.first}, {"seeds", seeds}, {"packet_hops", hops}};
+    for (std::size_t i = 0; i < ended.size(); ++i) out[to_string(static_cast<core::Outcome>(i))] = ended[i];
+    return out;
+  }
+};
+
+std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, const SoakOptions& options) {
+  const sim::Violation& broken = *run.violation();
+  return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
+         "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what +
+         "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
+         (options.all_fold_back ? " --redundancy foldback" : "") + (options.wide ? " --world wide" : "") + "\n";
+}
+
+/// Writes the smallest scenario that fails as the run did into that folder, and says so.
+/// @return false where it is still large
+bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std::string& folder, Progress& progress) {
+  const auto shrunk = study::shrunk_soak(run, seed, [&](std::size_t runs) {
+    progress.tell("the smallest scenario of seed " + std::to_string(seed) + ": " + std::to_string(runs) + " tried");
+  });
+  if (!shrunk) {
+    std::cerr << "As a scenario it does not fail: the seed alone shows it.\n";
+    return true;
+  }
+  const std::string path = (std::filesystem::path(folder) / ("soak-" + std::to_string(seed) + ".yaml")).string();
+  std::ofstream out;
+  std::string problem = app::open_for_writing(out, path);
+  out << shrunk->text;
+  if (problem.empty()) problem = cli::finish_writing(out, path);
+  if (!problem.empty()) throw UsageError("--shrink: " + problem);
+  std::cerr << in_words(shrunk->before) << " before, " << in_words(shrunk->after) << " now; " << shrunk->runs
+            << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "")
+            << "\nthe smallest scenario: ringctl scenario run " << app::shell_word(path) << "\n";
+  return study::is_small(shrunk->after);
+}
+
+/// If no seed that was asked for gives a small scenario, this many more broken seeds are tried.
+constexpr std::uint64_t kMoreToShrink = 5;
+
+/// The first seed of a range, drawn so that it has hardly been run before.
+std::uint64_t fresh_range() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(device);
+}
+
+/// One seed after another, until all are done, enough are broken, or somebody asks it to end.
+class Soak {
+ public:
+  explicit Soak(const SoakOptions& options) : options_(options) {}
+
+  int run() {
+    std::cerr << "Seeds " << options_.first << " to " << options_.first + options_.seeds - 1 << ".\n";
+    while (tally_.seeds < options_.seeds && !interrupted_)
+      if (!run_seed(options_.first + tally_.seeds)) return kBroken;
+    if (interrupted_) return say_interrupted();
+    if (broken_ != 0) return kBroken;
+    print();
+    if (options_.format == app::Format::text) std::cout << "No promise was broken.\n";
+    return kDone;
+  }
+
+ private:
+  /// @return false where enough are broken
+  bool run_seed(std::uint64_t seed) {
+    using FoldBack = study::RandomFaults::FoldBack;
+    using World = study::RandomFaults::World;
+    study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some,
+                               options_.wide ? World::wide : World::usual);
+    std::optional<sim::Trace> trace;
+    if (options_.hashes) trace.emplace(faults.ring());
+    if (options_.shrink_into) faults.keep_history();
+    interrupted_ = !faults.run([this] { return signals_->asked_to_end(std::chrono::milliseconds(0)); });
+    if (interrupted_) return true;
+    tally_.add(faults);
+    if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
+    if (faults.violation()) return may_go_on_after(faults, seed);
+    progress_.tell(std::to_string(tally_.seeds) + " of " + std::to_string(options_.seeds) +
+                   " seeds, no promise broken");
+    return true;
+  }
+
+  bool may_go_on_after(const study::RandomFaults& faults, std::uint64_t seed) {
+    std::cerr << violation_text(faults, seed, options_);
+    if (options_.shrink_into) {
+      signals_.reset();  // it may take long, and Ctrl-C ends it as ever
+      small_ = write_shrunk(faults, seed, *options_.shrink_into, progress_) || small_;
+      signals_.emplace();
+    }
+    return ++broken_ < options_.failures + (small_ || !options_.shrink_into ? 0 : kMoreToShrink);
+  }
+
+  int say_interrupted() const {
+    print();
+    std::cerr << "ring_sim: interrupted: " << tally_.seeds << " of " << options_.seeds << " seeds were run, " << broken_
+              << " of them broke a promise\n";
+    return kBroken;
+  }
+
+  void print() const {
+    if (options_.format == app::Format::json)
+      std::cout << tally_.row(options_).dump(2) << '\n';
+    else
+      std::cout << app::format_rows({tally_.row(options_)}, options_.format);
+  }
+
+  const SoakOptions& options_;
+  std::optional<process::SignalWait> signals_{std::in_place};
+  Progress progress_;
+  Tally tally_;
+  std::uint64_t broken_ = 0;
+  bool interrupted_ = false;
+  bool small_ = false;  ///< a scenario that was made of one of them
+};
+
+constexpr std::int64_t kMostSeeds = 100'000'000;
+constexpr std::uint64_t kLastSeed = std::numeric_limits<std::int64_t>::max();  ///< that a scenario takes
+
+void add_seeds(CLI::App& command, SoakOptions& options) {
+  command.add_option("--seeds", options.seeds, "How many, 1 to 100000000; default 1000")
+      ->transform(cli::whole(1, kMostSeeds));
+  command.add_option("--first", options.first, "The first of them, above 0; drawn and printed where it is not given")
+      ->transform(cli::whole(1, static_cast<std::int64_t>(kLastSeed)));
+  command.add_option("--failures", options.failures, "Stop after so many broken seeds; default 1")
+      ->transform(cli::whole(1, kMostSeeds));
+}
+
+void add_world(CLI::App& command, SoakOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--redundancy", [&options](const std::string& what) { options.all_fold_back = what == "foldback"; },
+          "mixed: a third of the rings folds back (default); foldback: all of them")
+      ->transform(cli::one_of({"mixed", "foldback"}));
+  command
+      .add_option_function<std::string>(
+          "--world", [&options](const std::string& what) { options.wide = what == "wide"; },
+          "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
+          "still")
+      ->transform(cli::one_of({"usual", "wide"}));
+}
+
+void add_shrink(CLI::App& command, SoakOptions& options) {
+  command
+      .add_option(
+          "--shrink", options.shrink_into,
+          "Make of each broken seed the smallest scenario that fails in the same way, and write it into this "
+          "folder (default: where you are); 'ringctl scenario run' takes it. Where more than 3 faults or 10 sends "
+          "are left, up to 5 more broken seeds follow. Of the usual world alone")
+      ->expected(0, 1)
+      ->default_str(".");
+}
+
+/// Now, since a broken seed may come after hours. @throw UsageError
+void require_writable(const std::string& folder) {
+  const std::string problem = app::make_output_folder(folder);
+  if (!problem.empty()) throw UsageError("--shrink: " + problem);
+}
+
+/// Refuses options that contradict each other. @throw UsageError
+void check(const SoakOptions& options) {
+  if (options.first > kLastSeed - (options.seeds - 1))
+    throw UsageError("--first: the last of " + std::to_string(options.seeds) + " seeds from " +
+                     std::to_string(options.first) + " on would be beyond it; " + std::to_string(kLastSeed) +
+                     " is the last one that --first and a scenario take");
+  if (options.shrink_into && options.wide)
+    throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
+  if (options.hashes && options.format != app::Format::text)
+    throw UsageError("--hashes prints lines of text: leave --json and --csv out");
+  if (options.shrink_into) require_writable(*options.shrink_into);
+}
+
+}  // namespace
+
+void add_soak(CLI::App& app, Context& context) {
+  auto options = std::make_shared<SoakOptions>();
+  CLI::App* command = add_command(app, "soak",
+                                  "Rings under random traffic and random faults, by seed, every promise of the ring "
+                                  "checked at every event; stops at the first that is broken");
+  add_seeds(*command, *options);
+  add_world(*command, *options);
+  add_shrink(*command, *options);
+  command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
+  add_format(*command, options->format);
+  command->callback([&context, options] {
+    context.action = [options] {
+      if (options->first == 0) options->first = fresh_range();
+      check(*options);
+      return Soak(*options).run();
+    };
+  });
+}
+
+}  // namespace limb_ring::ring_sim

@@ -1,0 +1,112 @@
+#include "tools/ringctl/command/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "config/config_error.h"
+#include "limb_ring/host_port.h"
+#include "tools/cli/command_line.h"
+#include "tools/ringctl/answer_shape.h"
+#include "tools/ringctl/command/commands.h"
+#include "tools/ringctl/names_to_complete.h"
+#include "tools/ringctl/other_host.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/tell_user.h"
+#include "wire/pcapng_reader.h"
+
+namespace limb_ring::ringctl {
+
+CLI::App* add_command(CLI::App& app, const char* name, const char* description) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->fallthrough();
+  command->footer(kExitCodesHelp);
+  return command;
+}
+
+CLI::App& add_group(CLI::App& app, const char* name, const char* description) {
+  CLI::App* group = add_command(app, name, description);
+  group->require_subcommand(1);
+  return *group;
+}
+
+void add_json(CLI::App& command, bool& asked) { command.add_flag("--json", asked, "Print JSON, for programs"); }
+
+namespace {
+
+void add_commands(CLI::App& app, Context& context) {
+  add_up(app, context);
+  add_down(app, context);
+  add_list(app, context);
+  add_status(app, context);
+  add_wait(app, context);
+  add_send(app, context);
+  add_ping(app, context);
+  add_interrupt(app, context);
+  add_reset(app, context);
+  add_stop(app, context);
+  add_resume(app, context);
+  add_clock(app, context);
+  add_traffic(app, context);
+  add_judge(app, context);
+  add_record(app, context);
+  add_fault(app, context);
+  add_scenario(app, context);
+  add_hosts(app, context);
+  add_bench(app, context);
+  app.get_subcommand("bench")->group("For measurements");
+}
+
+int failed(const std::exception& problem, ExitCode code) {
+  tell_user(problem.what());
+  return code;
+}
+
+int act(const Context& context) {
+  try {
+    return context.action();
+  } catch (const UsageError& problem) {
+    return failed(problem, kUsage);
+  } catch (const config::ConfigError& problem) {
+    return failed(problem, kUsage);
+  } catch (const capture::CaptureFileError& problem) {
+    return failed(problem, kUsage);
+  } catch (const Elsewhere& problem) {
+    if (context.ssh) return run_there(problem, context.arguments);
+    return failed(std::runtime_error(std::string(problem.what()) + ". Ask there, or with --ssh"), kNoRing);
+  } catch (const NoRing& problem) {
+    return failed(problem, kNoRing);
+  } catch (const NotKnown& problem) {
+    return failed(problem, kUnknown);
+  } catch (const HostPortError& problem) {
+    return failed(problem, kNoRing);
+  } catch (const nlohmann::json::exception& problem) {
+    return failed(std::runtime_error("a daemon: " + sentence_of_shape(problem.what())), kNoRing);
+  } catch (const std::exception& problem) {
+    return failed(problem, kNotDone);
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  Context context;
+  CLI::App app("Starts, queries and controls rings of limb_ring daemons (ringd).", "ringctl");
+  app.footer(std::string("'ringctl help SUBCOMMAND' explains one of them.\n") + kExitCodesHelp);
+  app.require_subcommand(1);
+  app.add_option(
+      "--ring", context.ring,
+      "Name of the ring; default: the one that LIMB_RING_RING names in the environment, else the only one running");
+  app.add_flag(
+      "--ssh", context.ssh,
+      "What only another host of the ring can do is done there: this command line, run by ssh without a password");
+  for (int i = 1; i < argc; ++i)
+    if (std::string(argv[i]) != "--ssh") context.arguments.emplace_back(argv[i]);
+  add_commands(app, context);
+  const auto names = [&context](const std::string& wanted) {
+    return names_to_complete(wanted, typed_ring(context.arguments));
+  };
+  if (const auto end = cli::parse(app, argc, argv, names)) return *end;
+  return act(context);
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,227 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "config/fault_parse.h"
+#include "config/names.h"
+#include "io/signal_wait.h"
+#include "limb_ring/ring_directory.h"
+#include "ring/live_faults.h"
+#include "tools/cli/values.h"
+#include "tools/ringctl/choose_ring.h"
+#include "tools/ringctl/command/commands.h"
+#include "tools/ringctl/fault_begin.h"
+#include "tools/ringctl/fault_table.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/progress.h"
+#include "tools/ringctl/ring_access.h"
+#include "tools/ringctl/ring_folder.h"
+#include "tools/ringctl/ring_wait.h"
+#include "tools/ringctl/tell_user.h"
+
+namespace limb_ring::ringctl {
+
+using live::LiveFaults;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kFaultHelp =
+    "A line is A:B or 'A -> B' (quoted: '>' is the shell's), from a node to the next. Answers come when a fault has "
+    "taken effect. The same words are taken by the ROS service inject_fault and by scenarios.\n";
+
+struct FaultOptions {
+  std::vector<std::string> where;
+  std::map<std::string, std::string> parameters;  ///< by key (config/fault_parse.h)
+  std::string id;
+  double timeout_s = 20;
+  bool json = false;
+};
+
+fault::RingNodes nodes_by_id(const RingAccess& ring) {
+  fault::RingNodes nodes;
+  for (const NodeName& node : ring.nodes())
+    nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
+  return nodes;
+}
+
+std::string words_of(const fault::Word& word, const FaultOptions& options) {
+  std::string words = word.word;
+  for (const std::string& part : options.where) words += ' ' + part;
+  for (const auto& [key, value] : options.parameters)
+    if (!value.empty()) words += ' ' + key + '=' + value;
+  return words;
+}
+
+/// "after_packets" -> "--after-packets"
+std::string option_name(const std::string& key) {
+  std::string name = "--" + key;
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+/// What a user of a command line writes for a value that stands alone.
+std::string option_for(const fault::BareWord& bare) {
+  return bare.key.empty() ? "one line A:B, and options" : option_name(bare.key) + ' ' + bare.word;
+}
+
+fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, bool folds_back) {
+  try {
+    const fault::Fault fault = fault::from_words(words, nodes);
+    fault::check_second_line(fault, folds_back, nodes);
+    return fault;
+  } catch (const fault::BareWord& bare) {
+    throw UsageError(words + ": " + bare.problem + "; allowed: " + option_for(bare));
+  } catch (const fault::MissingKey& missing) {
+    std::vector<std::string> options;
+    for (const std::string& key : missing.keys) options.push_back(option_name(key));
+    throw UsageError(words + ": " + missing.fault + " needs " + config::join(options, " or ") +
+                     "; allowed: " + missing.allowed);
+  } catch (const fault::ParseError& error) {
+    throw UsageError(words + ": " + error.what());
+  }
+}
+
+/// Ctrl-C while a node is frozen for a time: it is thawed before ringctl ends. A fault of another kind is not waited
+/// for, so there Ctrl-C does as ever.
+class Interruption {
+ public:
+  explicit Interruption(const fault::Fault& fault) {
+    if (fault.name == fault::Name::freeze && fault.lasts.count() != 0) signals_.emplace();
+  }
+  LiveFaults::Wait wait() {
+    if (!signals_) return {};
+    return [this](std::chrono::milliseconds time) {
+      if (signals_->asked_to_end(time)) came_ = true;
+      return came_.load();
+    };
+  }
+  bool came() const { return came_; }
+
+ private:
+  std::optional<process::SignalWait> signals_;
+  std::atomic<bool> came_{false};  // several nodes are waited for at the same time
+};
+
+int begin(const Context& context, const fault::Word& word, const FaultOptions& options) {
+  // The user typed A -> B without quotes, so the shell has redirected the output to a file named B.
+  if (!options.where.empty() && options.where.back() == "-")
+    throw UsageError(std::string(word.word) + ": the shell has taken '>' for itself: write A:B, or quote 'A -> B'");
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
+  const fault::RingNodes nodes = nodes_by_id(ring);
+  const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
+  for (const wire::NodeId id : fault.nodes) ring.require_here(ring.node(std::to_string(id)));
+  Interruption interruption(fault);
+  BegunFaults faults;
+  while_telling(ring.ring(), [&] { faults = begin_fault(ring.ring(), nodes, fault, interruption.wait()); });
+  json all = json::array();
+  for (const live::Begun& begun : faults.done) {
+    all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
+    if (!options.json) std::cout << (begun.id.empty() ? "done" : begun.id) << ": " << begun.words << std::endl;
+  }
+  if (options.json) std::cout << all.dump(2) << std::endl;
+  if (faults.problem) std::rethrow_exception(faults.problem);
+  if (interruption.came()) throw NotDone("interrupted: thawed before its time");
+  return kDone;
+}
+
+int list(const Context& context, const FaultOptions& options) {
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
+  tell_unreadable(ring_directory(ring.ring()));
+  const live::FaultList list = LiveFaults(ring.ring(), nodes_by_id(ring)).list();
+  json all = json::array();
+  for (const live::LiveFault& fault : list.faults) all.push_back(to_json(fault));
+  if (options.json)
+    std::cout << json{{"ring", ring.ring()}, {"faults", all}, {"unknown", list.unknown}}.dump(2) << '\n';
+  else if (!list.faults.empty())
+    std::cout << fault_table(list.faults);
+  else if (list.unknown.empty())
+    std::cout << "ring " << ring.ring() << " has no faults on purpose\n";
+  if (!options.json)
+    for (const std::string& problem : list.unknown) tell_user(problem);
+  return list.unknown.empty() ? kDone : kNotDone;
+}
+
+int remove(const Context& context, const FaultOptions& options) {
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
+  try {
+    const std::size_t dot = options.id.rfind('.');
+    if (dot != std::string::npos) ring.require_here(ring.node(options.id.substr(0, dot)));
+    while_telling(ring.ring(), [&] { LiveFaults(ring.ring(), nodes_by_id(ring)).remove(options.id); });
+  } catch (const fault::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  std::cout << "removed " << options.id << std::endl;
+  return kDone;
+}
+
+int clear(const Context& context, const FaultOptions& options) {
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
+  const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  std::vector<std::string> problems;
+  while_telling(ring.ring(), [&] { problems = LiveFaults(ring.ring(), nodes_by_id(ring)).clear(timeout); });
+  for (const std::string& problem : problems) tell_user(problem);
+  if (!problems.empty()) return kNotDone;
+  std::cout << "no faults are left in ring " << ring.ring() << std::endl;
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+  const std::string lacking = wait_for(ring.ring(), left, lack_of_whole);
+  if (!lacking.empty()) throw NotDone("but it is not whole again: " + lacking);
+  std::cout << "it is whole again: " << ring.nodes().size() << " nodes up" << std::endl;
+  return kDone;
+}
+
+/// "how long a period is; a time such as 5ms or 200us, up to 3600s; required"
+std::string help_of(const fault::KeyWord& key, const fault::Word& word) {
+  const std::string text = std::string(key.meaning) + "; " + key.allowed;
+  std::vector<std::string> needed;
+  for (const fault::KeyWord& one : fault::needed_keys_of(word)) needed.push_back(option_name(one.word));
+  if (std::find(needed.begin(), needed.end(), option_name(key.word)) == needed.end()) return text;
+  return text + "; " + (needed.size() > 1 ? config::join(needed, " or ") + " is " : "") + "required";
+}
+
+void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
+  auto options = std::make_shared<FaultOptions>();
+  CLI::App* command = add_command(faults, word.word, word.meaning);
+  const bool line = word.of == fault::Of::line;
+  command->add_option("WHERE", options->where, line ? "One line, A:B" : "Nodes, ids or names, or all")
+      ->required()
+      ->type_name(line ? "A:B" : "NODE");
+  for (const fault::KeyWord& key : fault::keys_of(word))
+    command->add_option(option_name(key.word), options->parameters[key.word], help_of(key, word));
+  add_json(*command, options->json);
+  command->callback([&context, &word, options] {
+    context.action = [&context, &word, options] { return begin(context, word, *options); };
+  });
+}
+
+void add_keeping(CLI::App& faults, Context& context) {
+  auto options = std::make_shared<FaultOptions>();
+  CLI::App* all = add_command(faults, "list", "All faults that last: what, where, since when, how often they struck");
+  add_json(*all, options->json);
+  all->callback([&context, options] { context.action = [&context, options] { return list(context, *options); }; });
+  CLI::App* one = add_command(faults, "remove", "End one fault; answered when all is as before");
+  one->add_option("ID", options->id, "Its id, as 'list' shows it")->required();
+  one->callback([&context, options] { context.action = [&context, options] { return remove(context, *options); }; });
+  CLI::App* every = add_command(
+      faults, "clear", "End all faults: heal, thaw, resume, start what was killed; return when the ring is whole");
+  every->add_option("--timeout", options->timeout_s, "How long it may take until it is whole, 0 to 600 s; default 20s")
+      ->transform(cli::seconds(0, 600));
+  every->callback([&context, options] { context.action = [&context, options] { return clear(context, *options); }; });
+}
+
+}  // namespace
+
+void add_fault(CLI::App& app, Context& context) {
+  CLI::App* faults = &add_group(app, "fault", "Break the living ring on purpose, and mend it");
+  faults->footer(kFaultHelp + std::string(kExitCodesHelp));
+  for (const fault::Word& word : fault::kWords) add_word(*faults, context, word);
+  add_keeping(*faults, context);
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,91 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "node/program_ring.h"
+#include "sim/load_scenario.h"
+#include "sim/only_virtual.h"
+#include "tools/common/rows.h"
+#include "tools/ringctl/command/commands.h"
+#include "tools/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ScenarioListOptions {
+  std::vector<std::string> places;
+  bool json = false;
+};
+
+/// A file that was not meant as a scenario, or one with a mistake: the error text says which.
+struct NoScenario {
+  std::string file, why;
+};
+
+std::vector<std::string> files_in(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".yaml" || entry.path().extension() == ".yml")
+      files.push_back(entry.path().string());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+app::Row row_of(const std::string& file, bool json) {
+  const auto scenario = scenario::load_scenario(file);
+  const auto not_live = only_virtual(scenario, "");
+  const auto not_virtual = program_stage::not_with_programs(scenario);
+  const std::string where =
+      std::string("sim") + (not_virtual.empty() ? ", virtual" : "") + (not_live.empty() ? ", live" : "");
+  app::Row row{{"file", fs::path(file).filename().string()},
+               {"where", where == "sim" ? "sim only" : where},
+               {"scenario", scenario.name + (expects_something(scenario) ? "" : " (expects nothing)")}};
+  if (json) row["why_not_live"] = not_live;
+  if (json) row["why_not_virtual"] = not_virtual;
+  return row;
+}
+
+/// Adds all scenarios of a folder. Other files there are only named.
+void add_folder(const std::string& folder, bool json, std::vector<app::Row>& rows, std::vector<NoScenario>& others) {
+  const std::size_t before = rows.size() + others.size();
+  for (const std::string& file : files_in(folder)) {
+    try {
+      rows.push_back(row_of(file, json));
+    } catch (const config::ConfigError& error) {
+      others.push_back({file, error.what()});
+    }
+  }
+  if (rows.size() + others.size() == before) throw UsageError(folder + ": no scenario there (*.yaml)");
+}
+
+int run(const ScenarioListOptions& options) {
+  std::vector<app::Row> rows;
+  std::vector<NoScenario> others;
+  for (const std::string& place : options.places) {
+    if (fs::is_directory(place))
+      add_folder(place, options.json, rows, others);
+    else
+      rows.push_back(row_of(place, options.json));
+  }
+  std::cout << app::format_rows(rows, options.json ? app::Format::json : app::Format::text);
+  if (options.json) std::cout << '\n';
+  for (const NoScenario& other : others) std::cerr << "not a scenario: " << other.why << '\n';
+  return kDone;
+}
+
+}  // namespace
+
+void add_scenario_list(CLI::App& scenario, Context& context) {
+  auto options = std::make_shared<ScenarioListOptions>();
+  CLI::App* command = add_command(scenario, "list", "What scenarios are about, and where they can be run");
+  command->add_option("PLACE", options->places, "Scenarios, or folders of them")->required();
+  add_json(*command, options->json);
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
+}
+
+}  // namespace limb_ring::ringctl

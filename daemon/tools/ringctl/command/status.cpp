@@ -1,0 +1,233 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "io/in_parallel.h"
+#include "io/signal_wait.h"
+#include "limb_ring/ring_directory.h"
+#include "ring/lock_files.h"
+#include "tools/cli/values.h"
+#include "tools/common/colour.h"
+#include "tools/common/text_table.h"
+#include "tools/ringctl/answers.h"
+#include "tools/ringctl/choose_ring.h"
+#include "tools/ringctl/command/commands.h"
+#include "tools/ringctl/connect_node.h"
+#include "tools/ringctl/line_report.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/ring_clock.h"
+#include "tools/ringctl/ring_folder.h"
+#include "tools/ringctl/screen.h"
+#include "tools/ringctl/status_rows.h"
+#include "tools/ringctl/status_table.h"
+#include "tools/ringctl/supervision.h"
+#include "tools/ringctl/top_table.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+using std::chrono::duration;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+struct StatusOptions {
+  std::string ring;
+  double interval_s = 1;
+  bool json = false, pids = false, watch = false, once = false;
+};
+
+void print_json(const RingAccess& ring, std::vector<nlohmann::json> rows) {
+  for (auto& row : rows) row.erase("ring");  // once is enough
+  nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
+  const nlohmann::json clock = ring_clock(ring.ring());
+  if (clock.is_object()) all["clock"] = clock;
+  std::cout << all.dump(2) << '\n';
+}
+
+void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows, bool pids) {
+  StatusStyle style;
+  style.pids = pids;
+  style.colour = app::colour_wanted(STDOUT_FILENO);
+  // What goes into a file or through a pipe is for grep: as wide as it is.
+  if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
+  const std::string heading = headline(ring.ring(), rows) + clock_words(ring_clock(ring.ring()));
+  std::cout << app::wrapped(heading, style.width) << status_table(rows, style)
+            << app::wrapped(line_report(rows) + unanswered_report(rows) + warning_report(rows) + stop_report(rows) +
+                                supervision_text(rows),
+                            style.width);
+}
+
+/// Of a ring that is frozen as a whole, the nodes that its files tell of.
+RingAccess running_or_frozen(const std::string& ring) {
+  try {
+    return RingAccess::open(ring);
+  } catch (const AllFrozen&) {
+    return RingAccess::open_also_dead(ring);
+  }
+}
+
+int show_once(const Context& context, const StatusOptions& options) {
+  const RingAccess ring = running_or_frozen(choose_ring(options.ring, context.ring));
+  tell_unreadable(ring_directory(ring.ring()));
+  const auto rows = status_rows(ring);
+  if (options.json)
+    print_json(ring, rows);
+  else
+    print_text(ring, rows, options.pids);
+  return kDone;
+}
+
+/// How long a daemon that does not answer may delay the next picture.
+constexpr milliseconds kAnswerWait{500};
+
+/// Asks all nodes for their status, over connections that it keeps.
+class StatusPoll {
+ public:
+  explicit StatusPoll(const RingAccess& ring) : ring_(ring), ports_(ring.nodes().size()) {}
+
+  StatusSample sample() {
+    std::vector<Answer> answers(ports_.size());
+    std::vector<std::optional<std::uint32_t>> tokens(ports_.size());
+    process::in_parallel(ports_.size(), kAskers, [&](std::size_t i) { tokens[i] = ask(i, answers[i].why_not); });
+    StatusSample sample;
+    sample.at_s = duration<double>(steady_clock::now().time_since_epoch()).count();
+    const auto deadline = steady_clock::now() + kAnswerWait;
+    for (std::size_t i = 0; i < ports_.size(); ++i)
+      if (tokens[i]) answers[i] = answer(i, *tokens[i], deadline);
+    sample.rows = complete_rows(ring_, std::move(answers));
+    sample.clock = ring_clock(ring_.ring());
+    return sample;
+  }
+
+ private:
+  /// @return token of the answer; nothing where none is to be waited for, with the reason where it could not be asked
+  std::optional<std::uint32_t> ask(std::size_t index, std::string& why_not) {
+    const NodeName& node = ring_.nodes()[index];
+    if (ring_.is_elsewhere(node)) return std::nullopt;                                // its beacons are heard here
+    if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
+    try {
+      if (!ports_[index])
+        ports_[index] = connect_within(kAnswerWait, ring_.ring(), std::to_string(node.id), Stay::for_long);
+      return ports_[index]->request(R"({"do": "status"})");
+    } catch (const HostPortError& problem) {
+      why_not = problem.what();  // it is asked again next time
+      return std::nullopt;
+    }
+  }
+
+  Answer answer(std::size_t index, std::uint32_t token, steady_clock::time_point deadline) {
+    while (ports_[index] && ports_[index]->connected()) {
+      const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
+      const auto message = ports_[index]->receive(std::max(left, milliseconds(0)));
+      const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
+      if (reply != nullptr && reply->token == token) {
+        auto row = nlohmann::json::parse(reply->json, nullptr, /*allow_exceptions=*/false);
+        if (row.is_object()) return {row, ""};
+      }
+      if (!message && ports_[index]->connected()) return {std::nullopt, no_answer_within(kAnswerWait)};
+    }
+    ports_[index].reset();
+    return {std::nullopt, "its daemon has closed the connection"};
+  }
+
+  const RingAccess& ring_;
+  std::vector<std::optional<HostPort>> ports_;
+};
+
+/// @return false where somebody has asked it to end
+bool wait(const StatusOptions& options, const Screen* screen, process::SignalWait& signals) {
+  const auto until = steady_clock::now() + duration<double>(options.interval_s);
+  while (steady_clock::now() < until) {
+    if (process::SignalWait::asks_to_end(signals.next(process::SignalWait::kTick))) return false;
+    if (screen == nullptr) continue;
+    const char key = screen->key();
+    if (key == 'q' || key == 'Q') return false;
+  }
+  return true;
+}
+
+TopStyle style() {
+  TopStyle style;
+  style.colour = app::colour_wanted(STDOUT_FILENO);
+  if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
+  return style;
+}
+
+std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
+                  const TopStyle& style) {
+  return top_table(headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
+                   line_report(now.rows) + unanswered_report(now.rows) + warning_report(now.rows) +
+                       stop_report(now.rows) + supervision_text(now.rows));
+}
+
+nlohmann::json json_of(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows) {
+  nlohmann::json all{{"ring", ring.ring()}, {"nodes", rows}};
+  if (now.clock.is_object()) all["clock"] = now.clock;
+  return all;
+}
+
+int rates_once(const RingAccess& ring, const StatusOptions& options) {
+  process::SignalWait signals;
+  StatusPoll poll(ring);
+  const StatusSample before = poll.sample();
+  if (!wait(options, nullptr, signals)) return kNotDone;
+  const StatusSample now = poll.sample();
+  const auto rows = top_rows(before, now);
+  if (options.json)
+    std::cout << json_of(ring, now, rows).dump(2) << '\n';
+  else
+    std::cout << shown(ring, now, rows, style());
+  return kDone;
+}
+
+int redraw(const RingAccess& ring, const StatusOptions& options) {
+  process::SignalWait signals;
+  const Screen screen;
+  StatusPoll poll(ring);
+  StatusSample now = poll.sample(), before = now;  // no time between them: the first picture has no rates
+  for (;;) {
+    TopStyle fits = style();
+    fits.lines = Screen::size().lines - 1;
+    screen.draw(shown(ring, now, top_rows(before, now), fits) + "q ends");
+    if (!wait(options, &screen, signals)) return kDone;
+    before = std::exchange(now, poll.sample());
+  }
+}
+
+int watch(const Context& context, const StatusOptions& options) {
+  const RingAccess ring = RingAccess::open(choose_ring(options.ring, context.ring));
+  return options.once ? rates_once(ring, options) : redraw(ring, options);
+}
+
+int run(const Context& context, const StatusOptions& options) {
+  if (options.watch && options.json && !options.once) throw UsageError("--watch --json goes with --once");
+  return options.watch ? watch(context, options) : show_once(context, options);
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, Context& context) {
+  auto options = std::make_shared<StatusOptions>();
+  CLI::App* command = add_command(app, "status",
+                                  "Show all nodes; one without a daemon is 'down'; one whose daemon is stopped is "
+                                  "'frozen', and 'unanswered' where it lives and has not answered, or could not be "
+                                  "asked");
+  command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
+  CLI::Option* watch =
+      command->add_flag("-w,--watch", options->watch, "Draw it again and again, with rates, load and errors; q ends");
+  command->add_option("-i,--interval", options->interval_s, "Seconds between two readings, 0.1 to 3600; default 1")
+      ->transform(cli::seconds(0.1, 3600.0))
+      ->needs(watch);
+  command->add_flag("--once", options->once, "Print the rates of one interval, and end")->needs(watch);
+  command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too")->excludes(watch);
+  add_json(*command, options->json);
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace limb_ring::ringctl

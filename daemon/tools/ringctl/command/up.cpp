@@ -1,0 +1,228 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "config/quantity.h"
+#include "config/ring_config.h"
+#include "io/signal_wait.h"
+#include "limb_ring/ring_directory.h"
+#include "ring/lock_files.h"
+#include "tools/cli/values.h"
+#include "tools/common/out_file.h"
+#include "tools/ringctl/command/commands.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/progress.h"
+#include "tools/ringctl/ring_watch.h"
+#include "tools/ringctl/stay.h"
+#include "tools/ringctl/up_lock.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr double kForever = 1e6;  // s
+
+struct UpOptions {
+  UpRequest request;
+  bool detach = false;
+  bool respawn = false;
+  std::string clock = "machine";
+  std::optional<double> pace;
+  double lasts_s = 0;
+  std::string capture;
+  double timeout_s = 10;
+};
+
+void require_not_running(const RingPlan& plan) {
+  const std::vector<live::HeldNode> held = live::held_nodes(ring_directory(plan.ring));
+  if (held.empty()) return;
+  const auto is_planned = [&plan](const live::HeldNode& node) {
+    return std::any_of(plan.nodes.begin(), plan.nodes.end(),
+                       [&node](const NodeName& planned) { return planned.id == node.node; });
+  };
+  if (plan.is_part() && std::none_of(held.begin(), held.end(), is_planned))
+    throw NotDone("ring " + plan.ring +
+                  ": another part of it runs here already; on one machine each host's part needs a "
+                  "runtime folder of its own (XDG_RUNTIME_DIR)");
+  throw NotDone("ring " + plan.ring + " is running already; 'ringctl down " + plan.ring + "' ends it");
+}
+
+/// What saves recordings runs beside the ring, where nobody sees it fail. @throw UsageError
+void require_place_for_saves(const RingPlan& plan, const std::string& config) {
+  if (plan.keeper.empty()) return;
+  const std::string problem = app::make_output_folder(plan.saves);
+  if (!problem.empty())
+    throw UsageError(config + ": entry 'recorder.folder': " + problem + "; allowed: a folder that can be written");
+}
+
+/// Waits until the ring, or this host's part of it, is closed. @return why it is not; empty where it is
+std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::LaunchedRing& daemons,
+                              process::SignalWait& signals, double timeout_s) {
+  const auto deadline = steady_clock::now() + milliseconds(static_cast<int>(timeout_s * 1000));
+  Progress progress;
+  for (;;) {
+    const auto waiting = watch.first_not_ready();
+    daemons.reap();
+    const live::LaunchedDaemon* dead = daemons.first_ended();
+    if (dead != nullptr && plan.is_virtual && dead->ended()->clean) return {};
+    // What asks us to end may have ended a daemon, too: it is not to blame.
+    if (dead != nullptr) return signals.asked_to_end(milliseconds(0)) ? "interrupted" : dead->exit_reason();
+    if (!waiting) return {};
+    if (steady_clock::now() >= deadline)
+      return "not closed within " + config::format_real(timeout_s) + " s (--timeout); " + waiting->lack +
+             daemons.all()[plan.is_virtual ? 0 : waiting->index].last_lines();
+    if (signals.asked_to_end(process::SignalWait::kTick)) return "interrupted";
+    progress.tell("waiting for " + waiting->lack);
+  }
+}
+
+/// @throw UsageError where --host names another machine, unless it is to be done there
+RingPlan planned(const Context& context, const UpOptions& options) try {
+  return plan_ring(options.request);
+} catch (const Elsewhere& problem) {
+  if (context.ssh) throw;
+  throw UsageError(std::string(problem.what()) + "; with --ssh it is started there");
+}
+
+int run(const RingPlan& plan, const UpOptions& options) {
+  UpLock lock(plan.ring, plan.host);
+  require_not_running(plan);
+  require_place_for_saves(plan, options.request.config);
+  if (options.respawn) return respawn(plan, lock);
+  process::SignalWait signals;
+  const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
+  live::LaunchedRing daemons(launch_request(plan, lifetime));
+  RingWatch watch(plan);
+  const std::string problem = wait_until_closed(plan, watch, daemons, signals, options.timeout_s);
+  if (!problem.empty()) {
+    const live::LaunchedDaemon* ended = daemons.first_ended();
+    const bool refused = ended != nullptr && ended->ended()->code == kUsage;  // ringd's exit codes are these, too
+    end(daemons, signals);
+    if (refused) throw UsageError("ring " + plan.ring + ": " + problem);
+    throw NotDone("ring " + plan.ring + ": " + problem);
+  }
+  lock.release();
+  if (daemons.first_ended() == nullptr)
+    announce(plan, watch);
+  else
+    std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
+  const auto keeper = start_keeper(plan, lifetime);
+  if (options.detach) return kDone;
+  return stay(plan, daemons, signals, options.lasts_s > 0);
+}
+
+void read_clock(UpOptions& options) {
+  if (options.clock == "machine") {
+    if (options.pace || options.lasts_s > 0 || !options.capture.empty())
+      throw UsageError("--pace, --for and --capture go with --clock virtual");
+    return;
+  }
+  if (options.respawn && options.lasts_s > 0)
+    throw UsageError("--for and --respawn do not go together: a ring that has run for so long is to stay down");
+  if (!options.request.host.empty()) throw UsageError("--clock virtual has all nodes in one process: leave --host out");
+  if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
+  if (options.request.record)
+    throw UsageError("--clock virtual repeats exactly by itself: leave --record out, or --capture it");
+  if (const std::string problem = app::why_no_file(options.capture); !problem.empty())
+    throw UsageError("--capture " + problem);
+  const bool follows = options.clock == "follow";
+  const double usual = follows ? std::numeric_limits<double>::infinity() : 1;
+  options.request.clock = VirtualClock{options.pace.value_or(usual), options.lasts_s, options.capture, follows};
+  if (follows) options.timeout_s = kForever;  // the outer clock may stand for as long as it likes
+}
+
+/// Adds the options of a virtual ring.
+void add_clock(CLI::App& command, UpOptions& options) {
+  CLI::Option* clock =
+      command
+          .add_option(
+              "--clock", options.clock,
+              "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
+              "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. follow: the same, and "
+              "its "
+              "time goes on as far as a client allows, such as ring_bridge by /clock; no --timeout counts. Default: "
+              "machine")
+          ->transform(cli::one_of({"machine", "virtual", "follow"}));
+  command
+      .add_option("--pace", options.pace,
+                  "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000, or max: as fast as "
+                  "the machine and the CPUs are; default 1, of follow max")
+      ->transform(cli::pace())
+      ->needs(clock);
+  command
+      .add_option(
+          "--for", options.lasts_s,
+          "With --clock virtual: the ring ends by itself after so many seconds of its time, and tells its trace "
+          "hash")
+      ->transform(cli::seconds(0.001, 1e9))
+      ->needs(clock);
+  command
+      .add_option("--capture", options.capture,
+                  "With --clock virtual: write the packets on all lines there, as pcapng; 'ring_sim compare-traces' "
+                  "finds where two runs part")
+      ->needs(clock);
+}
+
+/// Adds what is to be started.
+void add_request(CLI::App& command, UpRequest& request) {
+  command.add_option("CONFIG", request.config,
+                     "YAML file of the ring; or its name: NAME.yaml in ~/.config/limb_ring, in "
+                     "/etc/limb_ring, or of those that came with limb_ring, such as leg8");
+  command
+      .add_option("--nodes", request.nodes,
+                  "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
+      ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
+  command.add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
+      ->transform(cli::one_of(config::transport_words()));
+  command.add_option(
+      "--host", request.host,
+      "Where CONFIG has `hosts`: start the nodes of this one; all: run all nodes on this machine. Default: "
+      "the host whose address is this machine's, where that is one");
+  command.add_flag("--record", request.record,
+                   "Each node records all that goes into its network controller and comes out, for 'ringctl record'");
+}
+
+/// Adds what ringctl does once the daemons are started.
+void add_stay(CLI::App& command, UpOptions& options) {
+  command.add_flag("--detach", options.detach,
+                   "Return when the ring is closed; its daemons go on, each with a log file "
+                   "ID.log in the ring's folder (of a virtual ring one for all, ring.log)");
+  command
+      .add_flag("--respawn", options.respawn,
+                "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
+                "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files. With --clock "
+                "virtual: the whole ring, at 0 s of its time and with all its nodes")
+      ->excludes("--detach");
+}
+
+}  // namespace
+
+void add_up(CLI::App& app, Context& context) {
+  auto options = std::make_shared<UpOptions>();
+  CLI::App* command = add_command(
+      app, "up", "Start a ring, or one host's part of it, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
+  add_request(*command, options->request);
+  add_stay(*command, *options);
+  add_clock(*command, *options);
+  CLI::Option* timeout =
+      command
+          ->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
+          ->transform(cli::seconds(0.1, 600.0));
+  command->callback([&context, options, timeout] {
+    options->request.ring = context.ring;
+    // Launch files give it with every --clock: with `follow` it is passed over, as the help says.
+    context.action = [&context, options, useless = options->respawn && timeout->count() != 0] {
+      if (useless) throw UsageError("--timeout does not go with --respawn: the ring has all the time it needs");
+      read_clock(*options);
+      return run(planned(context, *options), *options);
+    };
+  });
+}
+
+}  // namespace limb_ring::ringctl

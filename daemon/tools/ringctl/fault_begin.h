@@ -1,0 +1,20 @@
+#pragma once
+
+#include <exception>
+#include <vector>
+
+#include "ring/live_faults.h"
+
+namespace limb_ring::ringctl {
+
+/// What came of a fault at its nodes.
+struct BegunFaults {
+  std::vector<live::Begun> done;
+  std::exception_ptr problem;  ///< why it was not done at the others: NotDone or HostPortError; null: it was at all
+};
+
+/// As LiveFaults::begin(), but what was done before something failed elsewhere is told.
+BegunFaults begin_fault(const std::string& ring, const fault::RingNodes& nodes, const fault::Fault& fault,
+                        const live::LiveFaults::Wait& wait);
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,159 @@
+#include "tools/ringctl/live_dump.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "io/signal_wait.h"
+#include "tools/common/text_table.h"
+#include "tools/ringctl/node_name.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/progress.h"
+#include "tools/ringctl/tell_user.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kLastWords{1000};  // how long a daemon may take to count up
+/// Messages taken from one node before the next node has its turn.
+constexpr int kAtOnce = 1000;
+
+std::string event_words(const nlohmann::json& seen) {
+  const std::string kind = seen.value("kind", "");
+  if (kind == "state")
+    return seen.value("before", "") + " -> " + seen.value("after", "") + ", ring of " +
+           std::to_string(seen.value("ring_size", 0));
+  if (kind == "cpu") return "CPU " + seen.value("state", "") + ", boot " + std::to_string(seen.value("boots", 0));
+  return seen.value("what", seen.dump());
+}
+
+}  // namespace
+
+std::string summary(const DumpTotals& totals) {
+  const CaptureCounts& nodes = totals.nodes;
+  std::string text = app::counted(totals.shown, "packet") + " shown of " + std::to_string(nodes.seen) + " seen, " +
+                     std::to_string(nodes.lost) + " lost" + (nodes.lost == 0 ? "" : ", read too slowly");
+  const std::pair<std::uint64_t, const char*> left_out[] = {{nodes.filtered, "by the filter"},
+                                                            {nodes.sampled_out, "by --sample"},
+                                                            {nodes.limited, "by --limit"},
+                                                            {totals.beyond, "after the last"}};
+  const char* before = "; left out: ";
+  for (const auto& [count, why] : left_out)
+    if (count != 0) text += std::exchange(before, ", ") + std::to_string(count) + ' ' + why;
+  return text;
+}
+
+LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order,
+                   CaptureSink& sink)
+    : ring_(ring.ring()), sink_(sink) {
+  std::string problem;
+  for (const NodeName& node : nodes) {
+    try {
+      sources_.emplace_back(ring.connect(node, Stay::for_long));
+      sources_.back().port.observe(order.dump());
+    } catch (const HostPortError& error) {
+      problem = error.what();
+      tell_user("node " + label(node) + " is left out: " + problem);
+    }
+  }
+  if (sources_.empty()) throw HostPortError(problem);
+}
+
+DumpTotals LiveDump::run(std::uint64_t count) {
+  count_ = count;
+  process::SignalWait signals;
+  Progress progress(ring_);
+  bool go_on = true;
+  while (go_on && !full() && !all_gone()) {
+    for (Source& source : sources_) drain(source);
+    go_on = sink_.flush() && !process::SignalWait::asks_to_end(signals.next(milliseconds(0)));
+    if (go_on && !full() && !all_gone()) wait();
+    progress.tell();
+  }
+  totals_.all_gone = all_gone();
+  end();
+  return totals_;
+}
+
+bool LiveDump::all_gone() const {
+  return std::all_of(sources_.begin(), sources_.end(), [](const Source& source) { return source.gone; });
+}
+
+void LiveDump::drain(Source& source) {
+  for (int i = 0; i < kAtOnce && !source.gone && !full(); ++i) {
+    const auto message = source.port.receive(milliseconds(0));
+    if (!message) return;
+    take(source, *message);
+  }
+}
+
+void LiveDump::take(Source& source, const Message& message) {
+  std::visit([&](const auto& what) { on(source, what); }, message);
+}
+
+void LiveDump::wait() {
+  std::vector<pollfd> ports;
+  for (const Source& source : sources_)
+    if (!source.gone) ports.push_back({source.port.fd(), POLLIN, 0});
+  ::poll(ports.data(), ports.size(), static_cast<int>(process::SignalWait::kTick.count()));
+}
+
+/// Asks for the final counts. Packets that still arrive meanwhile are counted, but not shown.
+void LiveDump::end() {
+  ending_ = true;
+  const auto deadline = steady_clock::now() + kLastWords;
+  for (Source& source : sources_) {
+    if (!source.gone) source.port.observe(R"({"packets": null})");
+    const std::uint32_t token = source.gone ? 0 : source.port.request(R"({"do": "latch"})");
+    while (!source.gone && !source.ended && steady_clock::now() < deadline) {
+      const auto message = source.port.receive(process::SignalWait::kTick);
+      const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
+      source.ended = reply != nullptr && reply->token == token;
+      if (message) take(source, *message);
+    }
+  }
+  add_up();
+}
+
+void LiveDump::add_up() {
+  for (const Source& source : sources_) {
+    const CaptureCounts& counts = source.counts;
+    totals_.nodes.seen += std::max(counts.seen, source.received);  // one that has died has not counted up
+    totals_.nodes.filtered += counts.filtered;
+    totals_.nodes.sampled_out += counts.sampled_out;
+    totals_.nodes.limited += counts.limited;
+    // Packets that the daemon has given but that never came out here were lost in this process.
+    totals_.nodes.lost += counts.lost + (counts.given - std::min(counts.given, source.received));
+  }
+}
+
+void LiveDump::on(Source& source, const CapturedPacket& packet) {
+  ++source.received;
+  if (ending_) {
+    ++totals_.beyond;
+    return;
+  }
+  ++totals_.shown;
+  sink_.packet(packet);
+}
+
+void LiveDump::on(Source& source, const CaptureCounts& counts) { source.counts = counts; }
+
+void LiveDump::on(Source& source, const Observed& seen) {
+  const nlohmann::json what = nlohmann::json::parse(seen.json, nullptr, /*allow_exceptions=*/false);
+  if (!what.is_object() || ending_) return;
+  if (what.contains("error")) throw UsageError(what["error"].get<std::string>());
+  sink_.event({what.value("time_ns", std::int64_t{0}), wire::NodeId{source.port.id()}, event_words(what)});
+}
+
+void LiveDump::on(Source& source, const Disconnected& end) {
+  source.gone = true;
+  tell_user("node " + label({source.port.id(), source.port.name()}) + ": " + end.reason);
+}
+
+}  // namespace limb_ring::ringctl

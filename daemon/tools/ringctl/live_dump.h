@@ -1,0 +1,64 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/ringctl/capture_sink.h"
+#include "tools/ringctl/ring_access.h"
+
+namespace limb_ring::ringctl {
+
+/// What a dump has shown, and what became of the rest.
+struct DumpTotals {
+  std::uint64_t shown = 0;
+  std::uint64_t beyond = 0;  ///< came after the last one that was asked for
+  CaptureCounts nodes;       ///< of all nodes together; lost: read too slowly, there or here
+  bool all_gone = false;     ///< it ended because no daemon was left
+};
+std::string summary(const DumpTotals& totals);
+
+/// Packets and events of several nodes at once, in the order in which they come in here.
+class LiveDump {
+ public:
+  /// Daemons that do not answer are told on standard error, and left out.
+  /// @param order for observe(). @throw HostPortError where none answers
+  LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order, CaptureSink& sink);
+
+  /// Until `count` packets are shown (0: without end), somebody asks it to end, nobody reads, or no daemon is left.
+  /// @throw UsageError for an order that is refused
+  DumpTotals run(std::uint64_t count);
+
+ private:
+  struct Source {
+    explicit Source(HostPort connected) : port(std::move(connected)) {}
+    HostPort port;
+    std::uint64_t received = 0;
+    CaptureCounts counts;
+    bool gone = false;
+    bool ended = false;  ///< it has sent its final counts
+  };
+
+  bool all_gone() const;
+  bool full() const { return count_ != 0 && totals_.shown >= count_; }
+  void drain(Source& source);
+  void wait();
+  void end();
+  void add_up();
+  void take(Source& source, const Message& message);
+  void on(Source& source, const CapturedPacket& packet);
+  void on(Source& source, const CaptureCounts& counts);
+  void on(Source& source, const Observed& seen);
+  void on(Source& source, const Disconnected& end);
+  template <typename Other>
+  void on(Source&, const Other&) {}
+
+  std::string ring_;
+  CaptureSink& sink_;
+  std::vector<Source> sources_;
+  std::uint64_t count_ = 0;
+  bool ending_ = false;
+  DumpTotals totals_;
+};
+
+}  // namespace limb_ring::ringctl

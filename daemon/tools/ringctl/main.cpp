@@ -1,0 +1,10 @@
+#include "io/standard_descriptors.h"
+#include "tools/cli/output.h"
+#include "tools/ringctl/command/command_line.h"
+
+int main(int argc, char** argv) {
+  limb_ring::process::open_standard_descriptors();
+  limb_ring::process::outlive_file_limit();
+  const int code = limb_ring::ringctl::run_command_line(argc, argv);
+  return limb_ring::cli::code_with_output("ringctl", code);
+}

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/ringctl/answers.h"
+#include "tools/ringctl/ring_access.h"
+
+namespace limb_ring::ringctl {
+
+// A status row is what a daemon answers to "status" (docs/reference/requests.md).
+
+/// The row of a node that has no daemon: state "down", and null for what only that knows.
+nlohmann::json down_row(const NodeName& node);
+/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. For a node that has not answered:
+/// "frozen" and its pid if its process on this host is stopped; "unanswered", its pid and the reason, if that lives, or
+/// if that cannot be known; `elsewhere`, with state, CPU and clock latch from its beacons, if these are heard and it is
+/// on another host or has never run on this one; else "down".
+/// @param answers to "status", in ring order; one that is no status row counts as none
+std::vector<nlohmann::json> complete_rows(const RingAccess& ring, std::vector<Answer> answers);
+/// The same of all daemons on this host, asked now.
+std::vector<nlohmann::json> status_rows(const RingAccess& ring, Deadline deadline = kNoDeadline);
+
+/// @name What a row means, in the words that status, top and wait share
+///@{
+/// The name of the node with that id, or the id where it has no row.
+std::string node_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& id);
+/// "left_hip -> left_knee", by their ids.
+std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& before,
+                      const nlohmann::json& behind);
+/// "running", "stopped", "hung" ...; "latched" if a stop is latched. "hung" comes from the supervisor: the node's own
+/// network controller says no more than "silent", and that only of a CPU that has promised to speak.
+std::string cpu_word(const nlohmann::json& row);
+/// The value of a counter; 0 where the row does not have it.
+std::uint64_t counter_of(const nlohmann::json& row, const std::string& name);
+/// Packets, and datagrams of them, that were damaged, lost or thrown away at this node since its start:
+/// ErrorCounter::of_packets, added up.
+std::uint64_t errors_of(const nlohmann::json& row);
+/// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back, or an open chain and where it is broken.
+std::string headline(const std::string& ring, const std::vector<nlohmann::json>& rows);
+/// The nodes that have not answered, and why; empty where all have.
+std::string unanswered_report(const std::vector<nlohmann::json>& rows);
+/// What nodes warn of, such as too few file descriptors; empty where none does.
+std::string warning_report(const std::vector<nlohmann::json>& rows);
+/// The nodes at which a stop is latched, and what ends it; empty where none is.
+std::string stop_report(const std::vector<nlohmann::json>& rows);
+///@}
+
+}  // namespace limb_ring::ringctl

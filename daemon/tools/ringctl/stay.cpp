@@ -1,0 +1,161 @@
+#include "tools/ringctl/stay.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "io/find_program.h"
+#include "io/service_manager.h"
+#include "limb_ring/ring_directory.h"
+#include "tools/ringctl/problems.h"
+#include "tools/ringctl/progress.h"
+#include "tools/ringctl/respawn.h"
+#include "tools/ringctl/ring_folder.h"
+#include "tools/ringctl/tell_user.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+
+namespace {
+
+constexpr milliseconds kGraceOfRing{3000};
+
+}  // namespace
+
+void announce(const RingPlan& plan, RingWatch& watch) {
+  const std::size_t ring_size = watch.ring_size();
+  const std::string here = std::to_string(plan.nodes.size());
+  std::string text = "ring " + plan.ring;
+  if (!plan.is_part())
+    text += " is closed: " + here + " nodes up";
+  else if (ring_size == plan.ring_size)
+    text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here + " of them here, on host " + plan.host;
+  else {
+    const std::string refusal = watch.refusal();
+    text += ": all nodes of host " + plan.host + " are up (" + here + "), " + std::to_string(ring_size) + " of " +
+            std::to_string(plan.ring_size) + " are in the ring" +
+            (refusal.empty() ? "; 'ringctl wait up' waits for the other hosts" : refusal);
+  }
+  std::cout << text << std::endl;
+  process::tell_ready(text);
+}
+
+void end(live::LaunchedRing& daemons, process::SignalWait& signals) {
+  daemons.end([&signals](milliseconds time) { return signals.asked_to_end(time); }, kGraceOfRing);
+}
+
+namespace {
+
+void tell_ended(live::LaunchedRing& daemons) {
+  for (const live::LaunchedDaemon* daemon : daemons.reap())
+    if (!daemon->ended()->clean) tell_user(daemon->exit_reason());
+}
+
+/// Ends daemons that were killed on purpose and started again by 'ringctl fault start': they are not our children, but
+/// have to end with the ring.
+void end_restarted(const std::string& ring) {
+  const std::string folder = ring_directory(ring);
+  terminate_daemons(folder);
+  Progress progress;
+  wait_until_gone(folder, progress);
+}
+
+/// Ends all that is left of the ring, by a signal. The folder of a part stays: the nodes of other hosts know these by
+/// their boot numbers.
+void end_all(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals) {
+  end(daemons, signals);
+  end_restarted(plan.ring);
+  if (!plan.is_part()) tidy_folder(plan.ring);
+}
+
+}  // namespace
+
+int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, bool has_end) {
+  const RingFolder folder(plan.ring);
+  while (daemons.any_running()) {
+    if (signals.asked_to_end(milliseconds(1000))) {
+      end_all(plan, daemons, signals);
+      return kDone;
+    }
+    tell_ended(daemons);
+  }
+  end_restarted(plan.ring);
+  const bool clean = std::all_of(daemons.all().begin(), daemons.all().end(),
+                                 [](const live::LaunchedDaemon& daemon) { return daemon.ended()->clean; });
+  if (clean && has_end && !folder.is_gone()) tidy_folder(plan.ring);
+  return clean ? kDone : kNotDone;
+}
+
+namespace {
+
+/// Gives up on a daemon that exits with an error before the ring was ever closed: it would fail again.
+void require_started(const live::LaunchedRing& daemons) {
+  const live::LaunchedDaemon* dead = daemons.first_ended();
+  if (dead != nullptr && !dead->ended()->clean && !dead->ended()->by_signal) throw NotDone(dead->exit_reason());
+}
+
+void tell_taken_down(const std::string& ring) {
+  std::cout << "ring " << ring << " was taken down; 'ringctl up --detach' starts it again, and Ctrl-C ends this"
+            << std::endl;
+}
+
+/// Until a signal, whatever ends the daemons; where the ring was taken down, also until whoever started us is gone,
+/// such as a roslaunch that was killed: nobody else would end us. @throw NotDone where one cannot start
+void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, UpLock& lock) {
+  Respawn respawn(daemons);
+  std::optional<RingWatch> watch(plan);
+  Progress progress;
+  bool down = false;
+  const pid_t starter = ::getppid();
+  while (!signals.asked_to_end(Respawn::kTick)) {
+    daemons.reap();
+    if (watch) require_started(daemons);
+    respawn.poll();
+    if (!down && respawn.taken_down()) {
+      tell_taken_down(plan.ring);
+      lock.release();
+      watch.reset();
+      down = true;
+    }
+    if (down && ::getppid() != starter) return;
+    if (!watch) continue;
+    if (const auto waiting = watch->first_not_ready()) {
+      progress.tell("waiting for " + waiting->lack);
+    } else {
+      lock.release();
+      announce(plan, *watch);
+      watch.reset();
+    }
+  }
+  if (down) return;  // daemons that run now were started by somebody else
+  end_all(plan, daemons, signals);
+}
+
+}  // namespace
+
+std::optional<process::Program> start_keeper(const RingPlan& plan, process::Lifetime lifetime) {
+  if (plan.keeper.empty()) return std::nullopt;
+  process::ProgramRequest request;
+  request.name = process::own_folder() + "/ringctl";
+  request.arguments = plan.keeper;
+  request.lifetime = lifetime;
+  if (lifetime == process::Lifetime::its_own) request.log = ring_directory(plan.ring) + "/keep.log";
+  return process::Program(request);
+}
+
+int respawn(const RingPlan& plan, UpLock& lock) {
+  process::SignalWait signals;
+  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end));
+  const auto keeper = start_keeper(plan, process::Lifetime::asked_to_end);
+  try {
+    stay_and_respawn(plan, daemons, signals, lock);
+  } catch (const NotDone& problem) {
+    end(daemons, signals);
+    throw NotDone("ring " + plan.ring + ": " + problem.what());
+  }
+  return kDone;
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,201 @@
+#include "tools/ringctl/top_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <initializer_list>
+#include <optional>
+#include <sstream>
+
+#include "ring/line_bytes.h"
+#include "tools/common/colour.h"
+#include "tools/common/text_table.h"
+#include "tools/ringctl/status_rows.h"
+#include "tools/ringctl/status_table.h"
+
+namespace limb_ring::ringctl {
+
+using nlohmann::json;
+
+namespace {
+
+std::uint64_t sum(const json& row, std::initializer_list<const char*> names) {
+  std::uint64_t all = 0;
+  for (const char* name : names) all += counter_of(row, name);
+  return all;
+}
+
+std::uint64_t packets_out(const json& row) {
+  return sum(row, {"relayed_data", "relayed_interrupts", "sent_data", "sent_interrupts"});
+}
+
+std::uint64_t bytes_in(const json& row) {
+  return ask::line_bytes_in([&row](const char* name) { return counter_of(row, name); });
+}
+
+/// Both rows are of the same boot, so the counters have not restarted at 0 in between.
+bool comparable(const json& before, const json& now) {
+  return now.contains("pid") && now["pid"].is_number() && before.value("pid", json()) == now["pid"];
+}
+
+/// By the node's own clock, which on a virtual ring is not the machine's.
+double elapsed(const StatusSample& before, const StatusSample& now, std::size_t index) {
+  const json then = before.rows[index].value("uptime_s", json()),
+             at_present = now.rows[index].value("uptime_s", json());
+  if (!then.is_number() || !at_present.is_number()) return now.at_s - before.at_s;
+  return at_present.get<double>() - then.get<double>();
+}
+
+/// Growth of a figure per second; nothing if it is not known.
+template <typename Figure>
+std::optional<double> rate(const StatusSample& before, const StatusSample& now, std::size_t index, Figure figure) {
+  if (index >= now.rows.size() || !comparable(before.rows[index], now.rows[index])) return std::nullopt;
+  const double seconds = elapsed(before, now, index);
+  const std::uint64_t then = figure(before.rows[index]), at_present = figure(now.rows[index]);
+  if (seconds <= 0 || at_present < then) return std::nullopt;
+  return static_cast<double>(at_present - then) / seconds;
+}
+
+std::size_t index_of(const StatusSample& sample, const json& id) {
+  const auto found = std::find_if(sample.rows.begin(), sample.rows.end(),
+                                  [&id](const json& row) { return row.value("id", json()) == id; });
+  return static_cast<std::size_t>(found - sample.rows.begin());
+}
+
+json or_null(const std::optional<double>& value) { return value ? json(*value) : json(); }
+
+json load_of(const json& row, const std::optional<double>& bytes) {
+  const json bits = row.value(json::json_pointer("/output/rate_bit_s"), json());
+  if (!bytes || !bits.is_number()) return json();
+  return 8 * *bytes / bits.get<double>();
+}
+
+json changed(const StatusSample& before, const json& row, std::size_t index) {
+  json names = json::array();
+  if (index >= before.rows.size()) return names;
+  const json& then = before.rows[index];
+  if (then.value("state", "") != row.value("state", "")) names.push_back("state");
+  if (cpu_word(then) != cpu_word(row)) names.push_back("cpu");
+  if (comparable(then, row) && errors_of(then) != errors_of(row)) names.push_back("errors");
+  return names;
+}
+
+json top_row(const StatusSample& before, const StatusSample& now, std::size_t index) {
+  const json& row = now.rows[index];
+  const json to = row.value(json::json_pointer("/output/to"), json());
+  const auto bytes = rate(before, now, index_of(now, to), bytes_in);
+  return {{"id", row.value("id", 0)},
+          {"name", row.value("name", "")},
+          {"state", row.value("state", "")},
+          {"to", to},
+          {"packets_per_second", or_null(rate(before, now, index, packets_out))},
+          {"bytes_per_second", or_null(bytes)},
+          {"load", load_of(row, bytes)},
+          {"round_trip_us", row.value("round_trip_us", json::object())},
+          {"errors", errors_of(row)},
+          {"cpu", cpu_word(row)},
+          {"changed", changed(before, row, index)}};
+}
+
+std::string number(const json& value, double unit = 1) {
+  char text[32];
+  if (!value.is_number()) return "-";
+  const double shown = value.get<double>() / unit;
+  std::snprintf(text, sizeof text, "%.*f", shown < 9.95 ? 1 : 0, shown);
+  return text;
+}
+
+std::string percent(const json& share) { return share.is_number() ? number(share, 0.01) + "%" : "-"; }
+
+constexpr std::size_t kColumns = 10;
+constexpr std::size_t kNarrow = 80;
+
+/// Of the columns behind the name; negative: aligned to the left.
+constexpr std::array<int, kColumns> kWidths{-14, -10, -7, 4, 7, 7, 4, 6, 6, 5};
+using Cells = std::array<std::string, kColumns>;
+
+/// @param name columns of the name
+std::string padded(const std::string& text, std::size_t column, std::size_t name) {
+  const int width = column == 0 ? -static_cast<int>(name) : kWidths[column];
+  const std::string cell = app::shortened(text, static_cast<std::size_t>(std::abs(width)));
+  const std::string blanks(static_cast<std::size_t>(std::abs(width)) - cell.size(), ' ');
+  return width < 0 ? cell + blanks : blanks + cell;
+}
+
+std::string columns(const Cells& cells, std::size_t name, const std::array<const char*, kColumns>& colours) {
+  std::string line;
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    const std::string cell = padded(cells[i], i, name);
+    const bool plain = colours[i] == nullptr || *colours[i] == '\0';
+    line += (i == 0 ? "" : " ") + (plain ? cell : colours[i] + cell + app::kPlain);
+  }
+  return line.erase(line.find_last_not_of(' ') + 1) + '\n';
+}
+
+bool has_changed(const json& row, const char* what) {
+  const json& names = row["changed"];
+  return std::find(names.begin(), names.end(), what) != names.end();
+}
+
+std::array<const char*, kColumns> colours_of(const json& row) {
+  std::array<const char*, kColumns> colours{};
+  colours[0] = status_colour(row["state"].get<std::string>(), row["cpu"].get<std::string>());
+  if (has_changed(row, "state")) colours[1] = app::kChanged;
+  if (has_changed(row, "cpu")) colours[2] = app::kChanged;
+  if (has_changed(row, "errors")) colours[9] = app::kChanged;
+  return colours;
+}
+
+Cells cells_of(const json& row) {
+  const json& trip = row["round_trip_us"];
+  return {row["name"].get<std::string>(),
+          row["state"].get<std::string>(),
+          row["cpu"].get<std::string>(),
+          row["to"].is_number() ? row["to"].dump() : "-",
+          number(row["packets_per_second"]),
+          number(row["bytes_per_second"], 1000),
+          percent(row["load"]),
+          number(trip.value("p50", json())),
+          number(trip.value("p99", json())),
+          row["errors"].dump()};
+}
+
+/// Columns for the names: as many as they need, as long as all else fits too.
+std::size_t name_width(const std::vector<json>& rows, std::size_t columns) {
+  std::size_t longest = 4;
+  for (const json& row : rows) longest = std::max(longest, row["name"].get<std::string>().size());
+  return std::min(longest, static_cast<std::size_t>(-kWidths[0]) + columns - kNarrow);
+}
+
+std::size_t lines_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace
+
+std::vector<json> top_rows(const StatusSample& before, const StatusSample& now) {
+  std::vector<json> rows;
+  for (std::size_t i = 0; i < now.rows.size(); ++i) rows.push_back(top_row(before, now, i));
+  return rows;
+}
+
+std::string top_table(const std::string& heading, const std::vector<json>& rows, const TopStyle& style,
+                      const std::string& report) {
+  const std::size_t width = std::max(style.width, kNarrow), name = name_width(rows, width);
+  std::string text = app::wrapped(heading + "; rates of the line out of each", width);
+  text += columns({"name", "state", "cpu", "to", "pkt/s", "kB/s", "load", "p50 us", "p99 us", "errs"}, name, {});
+  const std::string below = app::wrapped(report, width);
+  const std::size_t headings = lines_of(text);
+  const std::size_t room = style.lines > headings + 2 ? style.lines - headings - 1 : 1;  // with a line to spare
+  const std::size_t shown = rows.size() <= room + 1 ? rows.size() : room;
+  for (std::size_t i = 0; i < shown; ++i)
+    text += columns(cells_of(rows[i]), name, style.colour ? colours_of(rows[i]) : decltype(colours_of(rows[i])){});
+  if (shown < rows.size()) text += "... and " + std::to_string(rows.size() - shown) + " more nodes\n";
+  std::istringstream more(below);
+  for (std::string line; lines_of(text) < style.lines && std::getline(more, line);) text += line + '\n';
+  return text;
+}
+
+}  // namespace limb_ring::ringctl

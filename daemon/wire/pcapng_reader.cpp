@@ -1,0 +1,210 @@
+#include "wire/pcapng_reader.h"
+
+#include <charconv>
+#include <optional>
+#include <sstream>
+
+#include "wire/data_packet.h"
+#include "wire/pcapng.h"
+#include "wire/pseudo_header.h"
+
+namespace limb_ring::capture {
+
+namespace {
+
+constexpr std::size_t kBlockHead = 8;    // type and length
+constexpr std::size_t kPacketHead = 28;  // of an Enhanced Packet, up to its bytes
+constexpr std::size_t kSectionOptions = 24;
+constexpr std::size_t kInterfaceOptions = 16;
+constexpr std::uint32_t kSmallestBlock = 12;
+constexpr const char* kNoPcapng =
+    "no pcapng file; 'ringctl traffic show -w FILE' and 'ring_sim run --capture FILE' write one";
+
+/// ns since 1970 in 64 bits end in 2262; a year less leaves room for what is added to them.
+constexpr std::uint64_t kLatest = 291ull * 365 * 24 * 3600 * 1'000'000'000;
+
+std::size_t padded(std::size_t size) { return (size + 3) / 4 * 4; }
+
+/// Whoever reads it may be a terminal or JSON: nothing but the characters of ASCII that can be seen.
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  return text;
+}
+
+/// The whole number that this text is; nothing where it is none, or above 255.
+std::optional<wire::NodeId> id_in(const std::string& text) {
+  std::uint8_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return wire::NodeId{id};
+}
+
+/// What the writer has said about the ring in the section's comment, as far as it is there.
+RingNames names_in(const std::string& comment) {
+  RingNames names;
+  std::istringstream words(comment);
+  std::string word;
+  if (!(words >> word) || word != "ring") return names;
+  words >> names.ring >> word;
+  if (!names.ring.empty() && names.ring.back() == ';') names.ring.pop_back();
+  while (words >> word) {
+    const std::size_t equals = word.find('=');
+    const auto id = id_in(word.substr(0, equals));
+    if (equals == std::string::npos || !id) break;
+    names.nodes[*id] = word.substr(equals + 1);
+  }
+  return names;
+}
+
+}  // namespace
+
+PcapngReader::PcapngReader(std::istream& in, std::string name) : in_(in), name_(std::move(name)) {
+  if (!read_block()) fail(kNoPcapng);
+  section_header();
+}
+
+void PcapngReader::fail(const std::string& what) const {
+  throw CaptureFileError(name_ + ": at byte " + std::to_string(offset_) + ": " + what);
+}
+
+std::uint16_t PcapngReader::u16(std::size_t at) const {
+  const std::uint8_t* p = block_.data() + at;
+  return big_endian_ ? wire::load_u16(p) : static_cast<std::uint16_t>(p[1] << 8 | p[0]);
+}
+
+std::uint32_t PcapngReader::u32(std::size_t at) const {
+  const std::uint8_t* p = block_.data() + at;
+  return big_endian_ ? wire::load_u32(p) : std::uint32_t{u16(at + 2)} << 16 | u16(at);
+}
+
+// Appends to the block. @return false at the end of the file
+bool PcapngReader::read_bytes(std::size_t count) {
+  const std::size_t before = block_.size();
+  block_.resize(before + count);
+  in_.read(reinterpret_cast<char*>(block_.data() + before), static_cast<std::streamsize>(count));
+  if (static_cast<std::size_t>(in_.gcount()) == count) return true;
+  cut_short_ = before > 0 || in_.gcount() > 0;
+  return false;
+}
+
+bool PcapngReader::read_block() {
+  offset_ += block_.size();
+  block_.clear();
+  if (!read_bytes(kSmallestBlock)) return false;
+  if (offset_ == 0 && u32(0) != pcapng::kSectionHeader) fail(kNoPcapng);
+  // A section says its byte order just behind its length; its type reads alike in both.
+  if (u32(0) == pcapng::kSectionHeader) {
+    big_endian_ = wire::load_u32(block_.data() + kBlockHead) == pcapng::kByteOrderMagic;
+    if (u32(kBlockHead) != pcapng::kByteOrderMagic) fail("a section without pcapng's byte-order magic");
+  }
+  const std::uint32_t length = u32(4);
+  if (length < kSmallestBlock || length % 4 != 0 || length > pcapng::kMaxBlock)
+    fail("a block of " + std::to_string(length) + " bytes; 12 to " + std::to_string(pcapng::kMaxBlock) +
+         " in steps of 4 are possible");
+  return read_bytes(length - kSmallestBlock);
+}
+
+template <typename Visit>
+void PcapngReader::each_option(std::size_t at, Visit visit) const {
+  const std::size_t end = block_.size() - 4;
+  while (at + 4 <= end && u16(at) != pcapng::kEnd) {
+    const std::size_t size = u16(at + 2);
+    if (at + 4 + size > end) fail("an option that is longer than its block");
+    visit(u16(at), at + 4, size);
+    at += 4 + padded(size);
+  }
+}
+
+void PcapngReader::section_header() {
+  interfaces_.clear();
+  each_option(kSectionOptions, [this](std::uint16_t code, std::size_t at, std::size_t size) {
+    if (code == pcapng::kComment) names_ = names_in(printable({block_.begin() + at, block_.begin() + at + size}));
+  });
+}
+
+void PcapngReader::interface() {
+  if (block_.size() < kInterfaceOptions + 4) fail("an interface that is too short");
+  Interface read{u16(kBlockHead) == pcapng::kLinkType, pcapng::kMicroseconds};
+  each_option(kInterfaceOptions, [&](std::uint16_t code, std::size_t at, std::size_t size) {
+    if (code == pcapng::kResolution && size == 1) read.resolution = block_[at];
+  });
+  if (read.resolution > 12) fail("times in steps that are no power of ten down to a picosecond");
+  interfaces_.push_back(read);
+}
+
+std::int64_t PcapngReader::time_ns(const Interface& interface) const {
+  std::uint64_t time = std::uint64_t{u32(kBlockHead + 4)} << 32 | u32(kBlockHead + 8);
+  for (unsigned digit = pcapng::kNanoseconds; digit < interface.resolution; ++digit) time /= 10;
+  std::uint64_t unit = 1;
+  for (unsigned digit = interface.resolution; digit < pcapng::kNanoseconds; ++digit) unit *= 10;
+  if (time > kLatest / unit) fail("a time after the year 2261");
+  time *= unit;
+  return static_cast<std::int64_t>(time);
+}
+
+// Whoever wrote the packet has noted whether its CRC was right. Where it is not so now, the packet or the note was
+// changed in the file.
+void PcapngReader::check_crc(CapturedPacket& packet) {
+  if (packet.info.aborted || packet.info.truncated) return;
+  const wire::ByteView bytes{packet.bytes.data(), packet.bytes.size()};
+  const bool good = bytes.size >= wire::kOverhead && wire::PacketFields{bytes}.crc_good();
+  if (good != packet.info.crc_bad) return;
+  packet.info.crc_bad = true;
+  ++changed_;
+}
+
+std::optional<PcapngReader::Record> PcapngReader::packet() {
+  if (block_.size() < kPacketHead + 4) fail("a packet that is too short");
+  const std::uint32_t interface = u32(kBlockHead), size = u32(kBlockHead + 12);
+  if (interface >= interfaces_.size()) fail("a packet of interface " + std::to_string(interface) + ", which is none");
+  if (kPacketHead + padded(size) + 4 > block_.size()) fail("a packet that is longer than its block");
+  if (!interfaces_[interface].ring) return std::nullopt;
+  const wire::ByteView bytes{block_.data() + kPacketHead, size};
+  CapturedPacket packet;
+  if (size < kPseudoHeaderSize || !decode(bytes, packet.info)) fail("a packet without limb_ring's pseudo-header");
+  packet.time_ns = time_ns(interfaces_[interface]);
+  std::string comment;
+  each_option(kPacketHead + padded(size), [&](std::uint16_t code, std::size_t at, std::size_t length) {
+    if (code == pcapng::kComment) comment.assign(block_.begin() + at, block_.begin() + at + length);
+    if (code == pcapng::kDropCount && length == 8) packet.lost_before = u32(at + (big_endian_ ? 4 : 0));
+  });
+  if ((bytes[1] & kEventFlag) != 0)
+    return CapturedEvent{packet.time_ns, wire::NodeId{packet.info.from}, printable(comment)};
+  if (size < kPseudoHeaderSize + wire::kHeaderSize) fail("a packet without a header");
+  if (size - kPseudoHeaderSize > wire::kMaxDataPacketSize)
+    fail("a packet of " + std::to_string(size - kPseudoHeaderSize) + " bytes; " +
+         std::to_string(wire::kMaxDataPacketSize) + " at most are possible");
+  packet.bytes.assign(bytes.begin() + kPseudoHeaderSize, bytes.end());
+  check_crc(packet);
+  return packet;
+}
+
+std::vector<std::string> PcapngReader::problems() const {
+  std::vector<std::string> all;
+  if (cut_short_) all.push_back(name_ + " ends in the middle of a packet");
+  if (changed_ == 1) all.push_back(name_ + ": 1 packet is not as it was captured");
+  if (changed_ > 1) all.push_back(name_ + ": " + std::to_string(changed_) + " packets are not as they were captured");
+  return all;
+}
+
+std::optional<PcapngReader::Record> PcapngReader::next() {
+  while (read_block()) {
+    switch (u32(0)) {
+      case pcapng::kSectionHeader:
+        section_header();
+        break;
+      case pcapng::kInterface:
+        interface();
+        break;
+      case pcapng::kEnhancedPacket:
+        if (auto record = packet()) return record;
+        break;
+      default:
+        break;  // statistics, name resolution: nothing of ours
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace limb_ring::capture

@@ -1,0 +1,101 @@
+#include "wire/traced_ring.h"
+
+#include <algorithm>
+
+#include "wire/earlier_tries.h"
+
+namespace limb_ring::capture {
+
+namespace {
+
+std::vector<SeenPacket> in_order(std::vector<SeenPacket> packets) {
+  std::stable_sort(packets.begin(), packets.end(), [](const SeenPacket& a, const SeenPacket& b) {
+    return std::make_pair(a.began, a.stage()) < std::make_pair(b.began, b.stage());
+  });
+  return packets;
+}
+
+}  // namespace
+
+TracedRing::TracedRing(std::vector<SeenPacket> packets)
+    : packets_(in_order(std::move(packets))), trips_(sort_into_trips(packets_)) {
+  for (const SeenPacket& packet : packets_)
+    if (!packet.info.input) outputs_[wire::NodeId{packet.info.from}].add(packet);
+  EarlierTries tries;
+  for (std::size_t trip = 0; trip < trips_.size(); ++trip)
+    before_.push_back(tries.before({clearest(trip), first(trip).began, last(trip).last, end_of(trip)}));
+}
+
+// The first one that is whole and good, else whole, else any.
+const SeenPacket& TracedRing::clearest(std::size_t trip) const {
+  const SeenPacket* whole = nullptr;
+  for (const std::size_t seen : trips_[trip].seen) {
+    const SeenPacket& packet = packets_[seen];
+    if (packet.trailer && !packet.info.crc_bad) return packet;
+    if (packet.trailer && whole == nullptr) whole = &packet;
+  }
+  return whole != nullptr ? *whole : first(trip);
+}
+
+TripEnd TracedRing::end_of(std::size_t trip) const {
+  const SeenPacket& end = last(trip);
+  if (!end.home()) return TripEnd::not_home;
+  if (!end.trailer) return TripEnd::broken;
+  if (end.info.crc_bad) return TripEnd::damaged;
+  return end.trailer->fbc == 0 ? TripEnd::refused : TripEnd::home;
+}
+
+std::optional<std::chrono::nanoseconds> TracedRing::round_trip(std::size_t trip) const {
+  if (end_of(trip) == TripEnd::not_home) return std::nullopt;
+  std::size_t begin = trip;
+  while (before_[begin]) begin = *before_[begin];
+  if (first(begin).stage() != 0) return std::nullopt;
+  return last(trip).last - first(begin).began;
+}
+
+// Stage 2 h is the way out of the h-th node, stage 2 h - 1 the way into it.
+std::vector<Hop> TracedRing::hops_of(std::size_t trip) const {
+  std::vector<Hop> hops;
+  std::optional<unsigned> place;
+  for (const std::size_t seen : trips_[trip].seen) {
+    const SeenPacket& packet = packets_[seen];
+    const unsigned here = (packet.stage() + 1) / 2;
+    // HOP counts nodes that relay: it may stay while the node is another, where one was bypassed meanwhile.
+    if (place != here || hops.back().node != packet.seen_by()) {
+      const unsigned expected = place ? *place + 1 : 0;
+      hops.emplace_back();
+      hops.back().node = packet.seen_by();
+      hops.back().unseen = here > expected ? here - expected : 0;
+    }
+    place = here;
+    (packet.info.input ? hops.back().in : hops.back().out) = packet;
+  }
+  for (Hop& hop : hops) add_company(hop);
+  return hops;
+}
+
+void TracedRing::add_company(Hop& hop) const {
+  if (!hop.out) return;
+  const LineHistory& line = outputs_.at(hop.node);
+  if (hop.in) hop.behind = line.in_front_of(*hop.in, *hop.out);
+  if (!hop.out->interrupt()) hop.cut_by = line.inside(*hop.out);
+}
+
+PacketTrace TracedRing::trace(std::size_t trip) const {
+  PacketTrace trace;
+  trace.source = first(trip).source;
+  trace.code = first(trip).code;
+  trace.size = first(trip).size;
+  trace.trailer = clearest(trip).trailer;
+  trace.hops = hops_of(trip);
+  trace.end = end_of(trip);
+  trace.began = first(trip).began;
+  trace.ended = last(trip).last;
+  for (auto before = before_[trip]; before; before = before_[*before]) {
+    const SeenPacket& out = first(*before);
+    trace.earlier.insert(trace.earlier.begin(), {out.code, end_of(*before), last(*before), out.began});
+  }
+  return trace;
+}
+
+}  // namespace limb_ring::capture
