@@ -51,6 +51,20 @@ core::Duration worst_lap(const RingConfig& ring) {
 
 }  // namespace
 
+unsigned insertion_buffer_needed(const RingConfig& ring, const NodeConfig& node) {
+  const bool takes_time = byte_time(successor_of(ring, node).link).count() != 0 || byte_time(node.link).count() != 0;
+  return takes_time ? std::max(2u, static_cast<unsigned>(ring.nodes.size())) : 2;
+}
+
+std::string too_small_insertion_buffer(const RingConfig& ring, const NodeConfig& node) {
+  const unsigned needed = insertion_buffer_needed(ring, node);
+  if (ring.limits.insertion_buffer.value_or(needed) >= needed) return "";
+  return "limits.insertion_buffer is " + std::to_string(*ring.limits.insertion_buffer) + ": the line into or out of " +
+         node.name + " has a data rate, so up to " + std::to_string(needed - 1) +
+         " packets of other nodes may wait here, and some may be dropped and sent again; " + std::to_string(needed) +
+         " is enough, and is taken if it is not given";
+}
+
 core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std::uint64_t boot) {
   core::Settings s;
   s.id = wire::NodeId{node.id};
@@ -61,7 +75,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.relay_delay = node.link.whole_delay();  // on a living ring only time-outs use it
   s.lap = worst_lap(ring);
   s.all_delays = all_delays(ring);
-  s.insertion_buffer = ring.limits.insertion_buffer;
+  s.insertion_buffer = ring.limits.insertion_buffer.value_or(std::max(8u, insertion_buffer_needed(ring, node)));
   s.interrupt_buffer = ring.limits.interrupt_buffer;
   s.send_queue = ring.limits.send_queue;
   s.receive_buffers = node.receive_buffers.value_or(ring.limits.receive_buffers);

@@ -124,7 +124,8 @@ struct NodeConfig {
 
 /// The bounds of a node's queues and buffers. (ours)
 struct Limits {
-  unsigned insertion_buffer = 8;   ///< DATPs of 524 bytes that may wait in the Packet Manager, or more smaller ones
+  /// DATPs of 524 bytes that may wait in the Packet Manager, or more smaller ones; default: config/core_settings.h
+  std::optional<unsigned> insertion_buffer;
   unsigned interrupt_buffer = 64;  ///< INTPs that may wait there
   unsigned send_queue = 64;        ///< per priority
   unsigned receive_buffers = 32;   ///< per priority

@@ -4,10 +4,20 @@ namespace limb_ring::config {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+constexpr IntegerRange kInsertionBuffer{2, 1024};
+
+}  // namespace
+
 const Section<Limits>& limits_section() {
   static const Section<Limits> section{
-      integer_option("insertion_buffer", &Limits::insertion_buffer, {2, 1024},
-                     "Room for so many DATPs of 524 bytes that wait to be relayed; one more is dropped, counted."),
+      {"insertion_buffer", "8; at lines with a rate the number of nodes, if more", allowed(kInsertionBuffer),
+       "Room for so many DATPs of 524 bytes that wait to be relayed; one more is dropped, counted. Where a line has a "
+       "rate, a packet of each other node may wait.",
+       [](const Entry& entry, Limits& limits) {
+         limits.insertion_buffer = static_cast<unsigned>(read_integer(entry, kInsertionBuffer));
+       }},
       integer_option("interrupt_buffer", &Limits::interrupt_buffer, {2, 4096},
                      "INTPs that may wait there; one more is dropped, counted."),
       integer_option("send_queue", &Limits::send_queue, {1, 65536},

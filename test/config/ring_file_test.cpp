@@ -12,7 +12,7 @@ TEST(RingFile, WithNothingButNodesHasTheDefaults) {
   EXPECT_EQ(ring.ring, "pair");
   EXPECT_EQ(ring.path, "ring.yaml");
   ASSERT_EQ(ring.nodes.size(), 2u);
-  EXPECT_EQ(ring.limits.insertion_buffer, Limits{}.insertion_buffer);
+  EXPECT_EQ(ring.limits.insertion_buffer, std::nullopt);
   EXPECT_EQ(ring.timeouts.send, 100ms);
   EXPECT_EQ(ring.firmware.state_rate, 100.0);
   EXPECT_EQ(ring.bridge.rate, 50.0);

@@ -1,6 +1,7 @@
 // What a ring's configuration makes a network controller's settings.
 #include "config/core_settings.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "config/load_ring.h"
@@ -43,6 +44,22 @@ TEST(CoreSettings, SoIsTheTimeOutOfAFoldedRing) {
     settings.send_timeout_least = core::Duration{0};
     EXPECT_EQ(settings.send_timeout(), 2 * (120ms + 120ms)) << "node " << int{node.id};
   }
+}
+
+// Node 5's line alone has a rate. All packets queue before it, and behind it they come at once if node 4 runs late.
+TEST(CoreSettings, TheInsertionBufferAtALineWithARateHasRoomForAPacketOfEachNode) {
+  std::string nodes;
+  for (int id = 0; id < 16; ++id)
+    nodes += "  - {id: " + std::to_string(id) + (id == 5 ? ", link: {rate: 20Mbit/s}}\n" : "}\n");
+  config::RingConfig ring = config::parse_ring("ring: r\nnodes:\n" + nodes, "r.yaml");
+  EXPECT_EQ(core_settings(ring, ring.nodes[4], 1).insertion_buffer, 16u);
+  EXPECT_EQ(core_settings(ring, ring.nodes[5], 1).insertion_buffer, 16u);
+  EXPECT_EQ(core_settings(ring, ring.nodes[6], 1).insertion_buffer, 8u);
+  EXPECT_EQ(too_small_insertion_buffer(ring, ring.nodes[4]), "");
+  ring.limits.insertion_buffer = 15;
+  EXPECT_EQ(core_settings(ring, ring.nodes[4], 1).insertion_buffer, 15u);
+  EXPECT_THAT(too_small_insertion_buffer(ring, ring.nodes[4]), testing::StartsWith("limits.insertion_buffer is 15: "));
+  EXPECT_EQ(too_small_insertion_buffer(ring, ring.nodes[6]), "");
 }
 
 // Its hosts may lose each other, and each close a ring without the others. (protocol.md section 4.10)

@@ -24,8 +24,9 @@ struct RelayedPacket {
 };
 
 /// Where relayed DATPs wait while the line is taken (paper: "the other waits in a buffer").
-/// Bounded in bytes: room for one DATP of the largest size is enough while nothing is lost, also for
-/// many small ones; each further copy of an own packet in flight adds one. (ours, protocol.md section 2.5)
+/// Bounded in bytes: room for one DATP of the largest size is enough while nothing is lost and the output is no slower
+/// than the input, also for many small ones; each further copy of an own packet in flight adds one. Before a slower
+/// output, or if packets come late, one of each other node may wait. (ours, protocol.md section 2.5)
 class InsertionBuffer {
  public:
   /// @param capacity DATPs of the largest size

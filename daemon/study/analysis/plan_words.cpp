@@ -70,11 +70,12 @@ void add_buffer_limit(const config::RingConfig& ring, const Plan& plan, std::vec
   std::size_t worst = 0;
   for (std::size_t n = 0; n < plan.nodes.size(); ++n)
     if (plan.nodes[n].waiting > plan.nodes[worst].waiting) worst = n;
-  const std::size_t room = (ring.limits.insertion_buffer - 1) * wire::kMaxDataPacketSize;  // beside one that comes in
+  const unsigned packets = setup::core_settings(ring, ring.nodes[worst], 1).insertion_buffer;
+  const std::size_t room = (packets - 1) * wire::kMaxDataPacketSize;  // beside one that comes in
   if (plan.nodes[worst].waiting > room)
     limits.push_back(std::to_string(plan.nodes[worst].waiting) + " bytes may wait in the insertion buffer of node " +
-                     ring.nodes[worst].name + ": limits.insertion_buffer, " +
-                     std::to_string(ring.limits.insertion_buffer) + " packets of 524 bytes, is too small");
+                     ring.nodes[worst].name + ": limits.insertion_buffer, " + std::to_string(packets) +
+                     " packets of 524 bytes, is too small");
 }
 
 // A packet repeated while it still circulates takes its place twice, and the ring gets ever slower.

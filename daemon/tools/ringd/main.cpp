@@ -61,6 +61,8 @@ int run(const config::RingConfig& ring, const config::NodeConfig& config) {
   runtime::apply_realtime(ring, setup::index_of(ring, config));
   const std::string few = runtime::too_few_descriptors(ring);
   if (!few.empty()) spdlog::warn("{}", few);
+  const std::string small = setup::too_small_insertion_buffer(ring, config);
+  if (!small.empty()) spdlog::warn("{}", small);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   end_on_signals(signals, io, node);
   node.start();

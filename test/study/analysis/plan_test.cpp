@@ -184,12 +184,21 @@ TEST(Plan, AnInsertionBufferHoldsWhatComesInWhileAnOwnPacketGoesOut) {
 TEST(Plan, AnInsertionBufferBeforeASlowerLineMayBeTooSmall) {
   config::RingConfig ring = small_ring(12);
   ring.nodes[1].link.rate = 100'000'000;  // a -> b
+  ring.limits.insertion_buffer = 8;
   std::vector<Stream> streams;
   for (NodeId n{0}; n < 12; ++n) streams.push_back(stream_from(n, 1, {512}, 10ms));
   const Plan made = plan(ring, streams);
   EXPECT_EQ(made.nodes[0].waiting, 11 * 524u);
   EXPECT_THAT(made.limits, ElementsAre("5764 bytes may wait in the insertion buffer of node a: "
                                        "limits.insertion_buffer, 8 packets of 524 bytes, is too small"));
+}
+
+TEST(Plan, AnInsertionBufferBeforeASlowerLineIsLargeEnoughIfItsSizeIsNotGiven) {
+  config::RingConfig ring = small_ring(12);
+  ring.nodes[1].link.rate = 100'000'000;  // a -> b
+  std::vector<Stream> streams;
+  for (NodeId n{0}; n < 12; ++n) streams.push_back(stream_from(n, 1, {512}, 10ms));
+  EXPECT_THAT(plan(ring, streams).limits, ElementsAre());
 }
 
 TEST(Plan, AWaitLongerThanTheQueueTimeIsTooLong) {

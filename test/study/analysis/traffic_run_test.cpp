@@ -226,7 +226,7 @@ TEST(Bounds, HoldOnRandomRings) {
     RandomRing random(seed);
     for (const NodePlan& node : plan(random.ring, random.streams).nodes)
       random.ring.limits.insertion_buffer =
-          std::max<unsigned>(random.ring.limits.insertion_buffer, 2 + static_cast<unsigned>(node.waiting / 524));
+          std::max<unsigned>(*random.ring.limits.insertion_buffer, 2 + static_cast<unsigned>(node.waiting / 524));
     expect_kept(random.ring, random.streams, 10ms, seed);
   }
 }
