@@ -27,9 +27,10 @@ bool Arrivals::ended_before_known(std::uint8_t receiver, const Sent& sent) const
   return sent.ended && sent.ended_round <= ring_.at(receiver).known_round;
 }
 
-/// The first send of this content after the send that the receiver took last. INTPs of one factor are all alike, so
-/// for a pin the order is unknown. As a pin is pulled at once, a send that is open or has just ended is preferred; one
-/// that ended untaken, or long ago, counts only when every possible cause has been seen.
+/// The first send of this content after the send that the receiver took last. A send that is open or was delivered is
+/// preferred; one that ended otherwise counts only when every possible cause has been seen. INTPs of one factor are all
+/// alike, so for a pin the order is unknown. As a pin is pulled at once, a send that ended long ago counts only then,
+/// too.
 Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) {
   if (flow == nullptr) return nullptr;
   const Observation& seen = came.seen;
@@ -41,7 +42,8 @@ Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& 
     const bool again = taken != 0 && (it->ended || taken == came.life);
     if (again || !it->asked.same_content(seen)) continue;
     const bool just_ended = it->ended_round + 2 >= ring_.round && !says_untaken(it->outcome);
-    if (seen.kind != Kind::pin || !it->ended || just_ended) return &*it;
+    const bool likely = seen.kind == Kind::pin ? just_ended : it->outcome == Outcome::delivered;
+    if (!it->ended || likely) return &*it;
     if (all_asked && old == nullptr) old = &*it;
   }
   return old;
@@ -122,6 +124,7 @@ bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* fro
   const std::uint16_t taken = std::exchange(alike->taken_in(receiver), came.life);
   if (taken != 0 && taken != came.life) return true;  // a late copy, in another life of the receiver
   const bool twice = taken == came.life;
+  if (ring_.forgives(*from, receiver, alike->asked)) return report_.leave_unjudged(Unjudged::alike);
   if (!twice && ended_before_known(receiver, *alike)) return report_.leave_unjudged(ring_.at(receiver).before);
   const std::string by = " node " + std::to_string(receiver);
   const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"

@@ -16,6 +16,8 @@ const char* to_string(Unjudged why) {
       return "observations were lost";
     case Unjudged::ring_changed:
       return "broadcasts while the ring changed";
+    case Unjudged::alike:
+      return "equal data of a send that may have been taken or not";
     case Unjudged::too_many:
       return "too many under way";
   }

@@ -28,9 +28,10 @@ enum class Unjudged : std::uint8_t {
   source_unknown,      ///< nobody looks at the source, or not long enough
   observations_lost,   ///< they came too fast
   ring_changed,        ///< a broadcast, while nodes came or went
+  alike,               ///< beside others of the same data, of which one may have been taken or not
   too_many             ///< too much is under way
 };
-constexpr std::size_t kUnjudged = 6;
+constexpr std::size_t kUnjudged = 7;
 const char* to_string(Unjudged why);
 
 /// What was judged, and what was not.

@@ -127,6 +127,7 @@ bool ResultJudge::judge_taken(Flow& flow, Sent& sent) {
   if (!says_untaken(sent.outcome)) return true;
   if (ring_.round < sent.ended_round + 3) return false;  // another one of that content may have been meant
   if (other_was_meant(flow, sent, flow.destination)) return true;
+  if (ring_.forgives(flow, flow.destination, sent.asked)) return report_.leave_unjudged(Unjudged::alike);
   report_.break_promise(Promise::true_result, flow.source, flow.source, sent.ended_at,
                         name_of(flow, sent) + " ended " + wire::to_string(sent.outcome) + ", and node " +
                             std::to_string(flow.destination) + " has taken it");
@@ -143,6 +144,7 @@ bool ResultJudge::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) {
   const std::uint32_t looked = flow.queue == Observation::kInterrupt ? to.seen_round : to.empty_round;
   if (looked < sent.ended_round + 2 || to.has_pending(flow)) return false;
   if (taken_for_other(flow, sent, receiver)) return true;
+  if (ring_.forgives(flow, receiver, sent.asked)) return report_.leave_unjudged(Unjudged::alike);
   report_.break_promise(Promise::true_result, receiver, flow.source, sent.ended_at,
                         name_of(flow, sent) + " ended delivered, and " +
                             (flow.queue == Observation::kInterrupt ? "pulled no pin of" : "never came to the CPU of") +

@@ -12,6 +12,8 @@ bool says_untaken(wire::Outcome outcome) {
   return outcome == Outcome::refused || outcome == Outcome::no_such_node || outcome == Outcome::rejected;
 }
 
+bool leaves_open(wire::Outcome outcome) { return outcome != wire::Outcome::delivered && !says_untaken(outcome); }
+
 bool SeenNode::has_pending(const Flow& flow) const {
   return std::any_of(pending.begin(), pending.end(), [&](const Pending& one) {
     return one.seen.kind != Observation::Kind::passed && one.seen.source == flow.source && one.seen.queue == flow.queue;
@@ -31,14 +33,53 @@ std::deque<Sent>::iterator Flow::first_after(std::uint64_t index) {
   return it;
 }
 
+namespace {
+
+/// Of one flow, at most so many are kept: the last ones.
+constexpr std::size_t kMostDoubts = 64;
+
+}  // namespace
+
+void Flow::doubt(const Sent& sent) {
+  if (doubts.size() == kMostDoubts) doubts.erase(doubts.begin());
+  doubts.push_back({sent.asked, {}});
+}
+
+bool Flow::forgives(std::uint8_t receiver, const Observation& asked) {
+  const auto open = std::find_if(doubts.begin(), doubts.end(), [&](const Doubt& doubt) {
+    const bool another = !doubt.asked.same_send(asked) || doubt.asked.at_ns != asked.at_ns;
+    return another && doubt.asked.same_content(asked) && !doubt.forgiven[receiver];
+  });
+  if (open == doubts.end()) return false;
+  open->forgiven.set(receiver);
+  return true;
+}
+
+bool SeenRing::forgives(const Flow& flow, std::uint8_t receiver, const Observation& asked) {
+  const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
+  for (const std::uint8_t destination : {flow.destination, other_way}) {
+    const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
+    Flow* one = told_apart ? nullptr : find_flow(flow.source, flow.queue, destination);
+    if (one != nullptr && one->forgives(receiver, asked)) return true;
+  }
+  return false;
+}
+
 void Flow::pop_front() {
+  const Observation gone = sends.front().asked;
   sends.pop_front();
+  const auto alike = [&](const Sent& sent) { return sent.asked.same_content(gone); };
+  if (!doubts.empty() && std::none_of(sends.begin(), sends.end(), alike))
+    doubts.erase(std::remove_if(doubts.begin(), doubts.end(),
+                                [&](const Doubt& doubt) { return doubt.asked.same_content(gone); }),
+                 doubts.end());
   for (std::size_t* place : {&first_open, &first_unjudged, &found})
     if (*place != 0) --*place;
 }
 
 void Flow::clear() {
   sends.clear();
+  doubts.clear();
   first_open = first_unjudged = found = 0;
 }
 
@@ -51,7 +92,7 @@ Flow& SeenRing::flow(std::uint8_t source, std::uint8_t queue, std::uint8_t desti
   auto& flows = nodes[source].flows;
   if (flows.empty()) flows.resize(kQueues * kNodes);
   auto& found = flows[queue * kNodes + destination];
-  if (!found) found = std::make_unique<Flow>(Flow{source, queue, destination, {}});
+  if (!found) found = std::make_unique<Flow>(Flow{source, queue, destination, {}, 0, 0, 0, false, {}});
   return *found;
 }
 

@@ -60,6 +60,13 @@ struct Sent {
   }
 };
 
+/// A send that ended without saying whether it was taken. Beside others of the same data a receiver may seem to have
+/// taken one of them too often, or not at all. At most one of the two, so each receiver is forgiven once.
+struct Doubt {
+  Observation asked;
+  std::bitset<kNodes> forgiven;
+};
+
 /// Sends of one source, queue and destination, in the order of asking.
 struct Flow {
   std::uint8_t source, queue, destination;
@@ -68,11 +75,16 @@ struct Flow {
   std::size_t first_unjudged = 0;  ///< those before it are judged
   std::size_t found = 0;           ///< by first_after(), the last time
   bool listed = false;             ///< in SeenRing::active
+  std::vector<Doubt> doubts;       ///< of those in `sends`, and of former ones that some in it are alike to
 
   /// The first one whose index is greater.
   std::deque<Sent>::iterator first_after(std::uint64_t index);
   void pop_front();
   void clear();
+  void doubt(const Sent& sent);
+  /// @param asked a send of which something seems wrong at that receiver
+  /// @return true if that may come of a doubt about another one of the same data, which it then spends
+  bool forgives(std::uint8_t receiver, const Observation& asked);
 };
 
 /// Something that was taken, but whose send has not been found yet.
@@ -117,12 +129,16 @@ struct SeenRing {
   Flow& flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination);
   /// Null where nothing was asked for in it.
   Flow* find_flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) const;
+  /// Flow::forgives() of the flow, and of the other one of INTPs whose pin shows no difference.
+  bool forgives(const Flow& flow, std::uint8_t receiver, const Observation& asked);
   /// Index of what that receiver took last from that source and queue.
   std::uint64_t& newest(std::uint8_t receiver, std::uint8_t source, std::uint8_t queue);
 };
 
 /// Whether a result says that nobody has taken the packet.
 bool says_untaken(wire::Outcome outcome);
+/// Whether a result leaves open if somebody has.
+bool leaves_open(wire::Outcome outcome);
 /// "DATP of node 3 to 12, priority 0, channel 4, 100 bytes"
 std::string name_of(const Observation& packet, std::uint8_t source);
 /// The same, with its token.

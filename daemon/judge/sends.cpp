@@ -59,6 +59,7 @@ void Sends::ended(std::uint8_t id, const Observation& seen) {
   if (sent == nullptr) return ended_again(id, seen);
   sent->end(static_cast<Outcome>(seen.detail), ring_.round, seen.at_ns);
   sent->tries = seen.tries;
+  if (leaves_open(sent->outcome)) ring_.flow(id, sent->asked.queue, sent->asked.destination).doubt(*sent);
   const bool was_out = seen.tries != 0 && sent->outcome != Outcome::cancelled;
   std::int64_t& proven = ring_.at(id).proven_at[sent->asked.queue];
   // Sends of a queue go in order, so all that were asked for before we began to observe have ended by now.
@@ -89,7 +90,10 @@ void Sends::cut_short(std::uint8_t id) {
   for (auto& flow : node.flows)
     if (flow)
       for (Sent& sent : flow->sends)
-        if (!sent.ended) sent.cut(ring_.round, node.at);
+        if (!sent.ended) {
+          sent.cut(ring_.round, node.at);
+          flow->doubt(sent);
+        }
 }
 
 void Sends::forget(std::uint8_t id, Unjudged why) {

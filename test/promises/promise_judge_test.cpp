@@ -92,6 +92,34 @@ TEST_F(JudgeTest, ofEqualDataTheLostOneIsTheOneThatDidNotArrive) {
   EXPECT_THAT(broken(), IsEmpty());
 }
 
+// What is taken is found to be the lost one, since its end is not seen yet; so each later one is found to be the one
+// before it. The last one seems not to have come, and the lost one is long forgotten.
+TEST_F(JudgeTest, aStreamOfEqualDataBehindALostOneBreaksNothing) {
+  ask(1, 2, 5, 77);
+  take(2, 1, 77);
+  end(1, 2, 5, Outcome::lost, 4);
+  ask(1, 2, 6, 77);
+  end(1, 2, 6, Outcome::delivered);
+  for (std::uint32_t token = 7; token < 40; ++token) {
+    ask(1, 2, token, 77);
+    take(2, 1, 77);
+    end(1, 2, token, Outcome::delivered);
+    rounds(2);
+  }
+  rounds(100);
+  EXPECT_THAT(broken(), IsEmpty());
+  EXPECT_EQ(unjudged(Unjudged::alike), 1u);
+}
+
+TEST_F(JudgeTest, aLostOneWithDataOfItsOwnThatIsTakenTwiceIsNamedAllTheSame) {
+  ask(1, 2, 5);
+  take(2, 1, 5);
+  end(1, 2, 5, Outcome::lost, 4);
+  take(2, 1, 5);
+  rounds(10);
+  EXPECT_THAT(broken(), ElementsAre(Promise::exactly_once));
+}
+
 TEST_F(JudgeTest, anotherOrderIsNamed) {
   ask(1, 2, 5);
   ask(1, 2, 6);

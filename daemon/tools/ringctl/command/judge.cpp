@@ -71,9 +71,12 @@ void print_breach(const RingAccess& ring, const promises::Breach& breach, nanose
             << std::endl;
 }
 
+/// Where something was not judged, nobody knows whether every promise was kept.
 std::string verdict(const promises::JudgeCounts& counts, std::size_t unwatched) {
   if (counts.breaches != 0) return std::to_string(counts.breaches) + " broken";
-  return unwatched == 0 ? "every promise was kept" : app::counted(unwatched, "node") + " not watched, and not judged";
+  if (unwatched != 0) return app::counted(unwatched, "node") + " not watched, and not judged";
+  const bool all = counts.all_unjudged() == 0 && counts.lost == 0;
+  return all ? "every promise was kept" : "of what was judged, every promise was kept";
 }
 
 void print_end(const promises::JudgeCounts& counts, const std::vector<live::PromiseWatch::Unwatched>& unwatched,
