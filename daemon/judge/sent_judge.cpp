@@ -78,7 +78,7 @@ const char* ResultJudge::against_no_such_node() const {
 }
 
 const char* ResultJudge::against_lost() const {
-  if (settings_.fold_back && home()) return nullptr;  // two parts may have grown together
+  if (settings_.falls_into_parts() && home()) return nullptr;  // two parts may have grown together
   if (home() && is_taken(sent_.home_fbc)) return ", and it came home taken";
   if (receiver_forgot() || overdue()) return nullptr;
   if (home()) return sent_.repeated || sent_.may_have_failed ? nullptr : ", and its first try came home";

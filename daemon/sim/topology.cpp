@@ -8,13 +8,13 @@ using core::kNever;
 
 int VirtualRing::next_alive(NodeId id) const {
   for (std::size_t lines = 1; lines <= order().size(); ++lines)
-    if (const NodeId next = core::node_after(order(), id, lines); nodes_[next].alive) return next;
+    if (const NodeId next = core::node_after(order(), id, lines); reaches(id, next)) return next;
   return -1;
 }
 
 int VirtualRing::previous_alive(NodeId id) const {
   for (std::size_t lines = order().size(); lines-- > 0;)
-    if (const NodeId before = core::node_after(order(), id, lines); nodes_[before].alive) return before;
+    if (const NodeId before = core::node_after(order(), id, lines); reaches(id, before)) return before;
   return -1;
 }
 
@@ -33,6 +33,8 @@ std::optional<NodeId> VirtualRing::successor(NodeId id, Line line) const {
 // ---- what a node is told of its lines -----------------------------------------------------
 
 void VirtualRing::input_up(NodeId id, NodeId from, Line line) {
+  notice(id, line, true);
+  end_of(id, line, true).told = from;
   touch(id);
   for (Observer* observer : observers_) observer->input_changes(id, line, now_);
   nodes_[id].controller->input_up(line, from, now_);
@@ -45,6 +47,8 @@ void VirtualRing::input_lost(NodeId id, Line line) {
 }
 
 void VirtualRing::output_up(NodeId id, NodeId to, Line line) {
+  notice(id, line, false);
+  end_of(id, line, false).told = to;
   touch(id);
   for (Observer* observer : observers_) observer->output_ready(id, true, now_);
   nodes_[id].controller->output_up(line, to, now_);
@@ -55,6 +59,55 @@ void VirtualRing::output_lost(NodeId id, Line line) {
   nodes_[id].controller->output_lost(line, now_);
 }
 
+// ---- what a node notices late -------------------------------------------------------------
+
+void VirtualRing::lose_end(NodeId id, Line line, bool input) {
+  End& end = end_of(id, line, input);
+  if (end.loses_it()) return;
+  const Duration unnoticed = options_.noticing ? options_.noticing() : Duration{0};
+  end.notices = now_ + unnoticed;
+  if (unnoticed == Duration{0}) return notice(id, line, input);
+  at(end.notices, [this, id, line, input, due = end.notices] {
+    if (end_of(id, line, input).notices == due) notice(id, line, input);
+  });
+}
+
+void VirtualRing::notice(NodeId id, Line line, bool input) {
+  End& end = end_of(id, line, input);
+  if (!end.loses_it()) return;
+  end = {};
+  if (input) return input_lost(id, line);
+  output_lost(id, line);
+  tell(id, Incident::output_replaced, line);
+}
+
+void VirtualRing::forget_ends(NodeId id) { nodes_[id].inputs = nodes_[id].outputs = {}; }
+
+// The line out of `id` is back before either end has noticed that it was gone. @return false if one has
+bool VirtualRing::revive(NodeId id, Line line) {
+  Wire& out = wire_of(id, line);
+  if (out.successor >= 0 || out.former < 0 || out.former != next(id, line) || out.former == id) return false;
+  const auto to = static_cast<NodeId>(out.former);
+  End &output = end_of(id, line, false), &input = end_of(to, line, true);
+  const bool both_unaware = output.loses_it() && output.told == to && input.loses_it() && input.told == id;
+  if (!both_unaware || wire_of(to, line).predecessor >= 0) return false;
+  output.notices = input.notices = core::kNever;
+  out.successor = to;
+  wire_of(to, line).predecessor = id;
+  touch(to);
+  for (Observer* observer : observers_) observer->input_changes(to, line, now_);
+  nodes_[to].controller->input_gap(line, now_);
+  return true;
+}
+
+// When both ends of a line from `id` to `to` have noticed that their last ones are gone; now, if they have.
+Time VirtualRing::noticed_at(NodeId id, NodeId to, Line line) {
+  Time at = now_;
+  for (const End& end : {end_of(id, line, false), end_of(to, line, true)})
+    if (end.loses_it()) at = std::max(at, end.notices);
+  return at;
+}
+
 // ---- who is next to whom ------------------------------------------------------------------
 
 void VirtualRing::disconnect_output(NodeId id, Line line) {
@@ -62,23 +115,30 @@ void VirtualRing::disconnect_output(NodeId id, Line line) {
   if (out.successor < 0) return;
   const auto to = static_cast<NodeId>(out.successor);
   ++out.epoch;
-  if (alive(id)) output_lost(id, line);
-  tell(id, Incident::output_replaced, line);
+  out.former = out.successor;
+  out.successor = -1;
+  if (alive(id))
+    lose_end(id, line, false);
+  else
+    tell(id, Incident::output_replaced, line);
   if (alive(to) && wire_of(to, line).predecessor == id) {
-    input_lost(to, line);
+    lose_end(to, line, true);
     wire_of(to, line).predecessor = -1;
   }
-  out.successor = -1;
 }
 
 void VirtualRing::connect(NodeId id, Line line) {
   Wire& out = wire_of(id, line);
   const int next = this->next(id, line);
   if (!alive(id) || out.cut || next < 0 || next == out.successor) return;
-  disconnect_output(id, line);
   const auto to = static_cast<NodeId>(next);
+  if (const Time noticed = noticed_at(id, to, line); noticed > now_)
+    return at(noticed, [this, id, line] { connect(id, line); });
+  disconnect_output(id, line);
+  notice(id, line, false);  // it has left that one by itself
   const int former = wire_of(to, line).predecessor;
-  if (former >= 0 && former != id) disconnect_output(static_cast<NodeId>(former), line);
+  if (former >= 0 && former != id && wire_of(static_cast<NodeId>(former), line).successor == next)
+    disconnect_output(static_cast<NodeId>(former), line);
   out.successor = next;
   wire_of(to, line).predecessor = id;
   input_up(to, id, line);
@@ -104,6 +164,7 @@ void VirtualRing::leave(NodeId id) {
     disconnect_output(id, line);
     wire_of(id, line).predecessor = -1;
   }
+  forget_ends(id);
   wakes_.set(id, kNever);
   nodes_[id].alive = nodes_[id].paused = false;
   nodes_[id].waiting.clear();
@@ -183,11 +244,26 @@ void VirtualRing::set_output_ready(NodeId id, bool ready) {
   for (const Line line : lines()) node(id).set_output_ready(line, ready);
 }
 
+void VirtualRing::part(const core::RingOrder& these) {
+  for (const NodeId id : order()) nodes_[id].parted = core::is_in(these, id);
+  for (const NodeId id : order())
+    for (const Line line : lines()) {
+      const int successor = wire_of(id, line).successor;
+      if (!alive(id) || next(id, line) == successor) continue;
+      if (successor >= 0 && !reaches(id, static_cast<NodeId>(successor))) {
+        tell(id, Incident::cut, line);
+        disconnect_output(id, line);
+      }
+      connect_later(id, line);
+    }
+}
+
 void VirtualRing::cut(NodeId id, Line line) {
   Wire& out = wire_of(id, line);
   if (out.cut) return;
   tell(id, Incident::cut, line);
   out.cut = true;
+  if (options_.noticing) return disconnect_output(id, line);
   ++out.epoch;  // what is under way is gone
   if (out.successor >= 0) input_lost(static_cast<NodeId>(out.successor), line);
 }
@@ -198,6 +274,7 @@ void VirtualRing::heal(NodeId id, Line line) {
   tell(id, Incident::healed, line);
   out.cut = false;
   ++out.epoch;
+  if (options_.noticing && revive(id, line)) return;
   if (out.successor < 0 || out.successor != next(id, line)) return connect(id, line);
   input_up(static_cast<NodeId>(out.successor), id, line);
 }

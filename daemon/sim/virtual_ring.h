@@ -27,6 +27,9 @@ struct VirtualRingOptions {
   bool keep_logs = true;                                 ///< false: events and packets go to the callbacks only
   /// How long it takes until the ends of a line know each other, drawn for each end; null: no time.
   std::function<Duration()> connecting;
+  /// How long it takes until an end of a line that is gone notices that, drawn for each end; null: no time. A line is
+  /// connected again only when both its ends have noticed.
+  std::function<Duration()> noticing;
   /// Last changes to a node's settings; its relay_delay is that of the line into it.
   std::function<void(core::Settings&)> adjust = [](core::Settings&) {};
 };
@@ -69,7 +72,8 @@ class VirtualRing {
   Line output_line(NodeId id) const { return nodes_[id].controller->output_line(); }
   /// Somebody is at the other end of output_line().
   bool has_output(NodeId id) const {
-    return nodes_[id].lines[static_cast<std::size_t>(output_line(id))].successor >= 0;
+    const auto line = static_cast<std::size_t>(output_line(id));
+    return nodes_[id].lines[line].successor >= 0 || nodes_[id].outputs[line].loses_it();
   }
   /// Who is at the other end of the line into it, or out of it; nothing: nobody, or the wire is cut.
   std::optional<NodeId> predecessor(NodeId id, Line line = Line::first) const;
@@ -124,13 +128,19 @@ class VirtualRing {
   /// The lines out of the node take nothing more for now (false), or again.
   void set_output_ready(NodeId id, bool ready);
   /// A wire out of node `id`: cut, whole again. The node behind learns of it at once, the one
-  /// before it does not. @pre the ring folds back, for the second
+  /// before it does not; with VirtualRingOptions::noticing both learn of it, each in its time, and if the wire is whole
+  /// before that, what was lost is a gap. @pre the ring folds back, for the second
   void cut(NodeId id, Line line = Line::first);
   void heal(NodeId id, Line line = Line::first);
   /// Where the ring folds back: the cable between `id` and the node after it, which is a wire of each
   /// line, and of which both ends learn at once.
   void cut_cable(NodeId id);
   void heal_cable(NodeId id);
+  /// These nodes and the others no longer reach each other, as if on two hosts that lose each other: each part closes
+  /// a ring without the other one.
+  void part(const core::RingOrder& these);
+  /// All reach each other again, and close one ring.
+  void regroup() { part({}); }
 
   /// Sees every slice that leaves node `id` on that line and may change what arrives: put what shall arrive
   /// into `arriving` (empty: lost).
@@ -169,6 +179,7 @@ class VirtualRing {
   struct Wire {
     bool cut = false;
     int successor = -1;
+    int former = -1;  ///< the last successor
     int predecessor = -1;
     std::uint64_t epoch = 0;      ///< goes up when the line ends: what is under way from before is lost
     std::uint64_t connected = 0;  ///< how often it was connected; a cut does not change that
@@ -178,6 +189,13 @@ class VirtualRing {
     void archive(Archive& a) {
       a("cut", cut)("successor", successor)("predecessor", predecessor);
     }
+  };
+  /// An end of a line, as its node sees it.
+  struct End {
+    int told = -1;                ///< who is at the other end; -1: nobody
+    Time notices = core::kNever;  ///< that it is gone (VirtualRingOptions::noticing)
+
+    bool loses_it() const { return notices != core::kNever; }
   };
   /// Tells the observers what reaches and leaves a node's blocks.
   struct ObserverTap final : NetworkController::Tap {
@@ -194,8 +212,10 @@ class VirtualRing {
     bool alive = false;
     bool paused = false;
     bool cpu_reads = true;
+    bool parted = false;         ///< which of two parts it is in
     std::size_t delay_line = 0;  ///< of the line into it
     std::array<Wire, 2> lines;
+    std::array<End, 2> inputs, outputs;
     std::unique_ptr<ObserverTap> observer_tap;
     std::uint64_t starts = 0;
     std::uint32_t next_token = 1;
@@ -224,12 +244,23 @@ class VirtualRing {
   void connect(NodeId id, Line line);
   void connect_later(NodeId id, Line line);
   void disconnect_output(NodeId id, Line line);
+  End& end_of(NodeId id, Line line, bool input) {
+    return (input ? nodes_[id].inputs : nodes_[id].outputs)[static_cast<std::size_t>(line)];
+  }
+  void lose_end(NodeId id, Line line, bool input);
+  void notice(NodeId id, Line line, bool input);
+  void forget_ends(NodeId id);
+  bool revive(NodeId id, Line line);
+  Time noticed_at(NodeId id, NodeId to, Line line);
   void input_up(NodeId id, NodeId from, Line line);
   void input_lost(NodeId id, Line line);
   void output_up(NodeId id, NodeId to, Line line);
   void output_lost(NodeId id, Line line);
   void leave(NodeId id);
   void enter(NodeId id);
+  bool reaches(NodeId id, NodeId other) const {
+    return nodes_[other].alive && nodes_[other].parted == nodes_[id].parted;
+  }
   int next_alive(NodeId id) const;
   int previous_alive(NodeId id) const;
   std::size_t delay_line_of(Duration delay);

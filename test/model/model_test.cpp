@@ -25,9 +25,11 @@ struct Tally {
   std::uint64_t compared = 0;
 };
 
-/// Each third world is a wide one, and about a third of the rings fold back.
-void compare(std::uint64_t seed, Tally& tally, RandomFaults::FoldBack fold) {
-  RandomFaults run(seed, fold, seed % 3 == 0 ? RandomFaults::World::wide : RandomFaults::World::usual);
+/// Each third world is a wide one, if none is asked for, and about a third of the rings fold back.
+void compare(std::uint64_t seed, Tally& tally, RandomFaults::FoldBack fold,
+             std::optional<RandomFaults::World> world = {}) {
+  using World = RandomFaults::World;
+  RandomFaults run(seed, fold, world.value_or(seed % 3 == 0 ? World::wide : World::usual));
   ComparedRing compared(run.ring());
   run.run();
   const auto difference = compared.difference();
@@ -114,14 +116,15 @@ TEST(Model, aCoreDoesWhatTheSpecificationSaysInHistoriesThatOnceShowedSomething)
   for (const std::uint64_t seed : {21030, 21075, 41092, 41098}) compare(seed, tally, RandomFaults::FoldBack::all);
 }
 
-// MODEL_SEEDS=N runs so many, MODEL_FIRST=N from that one on, MODEL_FOLD=1 on rings that all fold back. Without them a
-// few that are known to agree.
+// MODEL_SEEDS=N runs so many, MODEL_FIRST=N from that one on, MODEL_FOLD=1 on rings that all fold back, MODEL_PARTS=1
+// on rings that fall into parts. Without them a few that are known to agree.
 TEST(Model, aCoreDoesWhatTheSpecificationSaysInRandomHistories) {
   Comparison::trace = number("MODEL_TRACE").value_or(0);
   const std::uint64_t first = number("MODEL_FIRST").value_or(400), seeds = number("MODEL_SEEDS").value_or(20);
   const auto fold = number("MODEL_FOLD") ? RandomFaults::FoldBack::all : RandomFaults::FoldBack::some;
   Tally tally;
-  for (std::uint64_t seed = first; seed < first + seeds && tally.parted < 5; ++seed) compare(seed, tally, fold);
+  for (std::uint64_t seed = first; seed < first + seeds && tally.parted < 5; ++seed)
+    compare(seed, tally, fold, number("MODEL_PARTS") ? std::optional(RandomFaults::World::parts) : std::nullopt);
   std::cout << tally.histories << " histories of seeds from " << first << " on, of which " << tally.folding
             << " fold back, " << tally.compared << " outputs compared, " << tally.parted << " histories parted\n";
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/node_literal.h"
 
 namespace limb_ring::sim {
@@ -52,6 +54,65 @@ TEST(VirtualRing, ANodeThatStartsAgainHasAnotherIncarnation) {
     EXPECT_NE(boot & 3, former & 3) << boot << " after " << former;
     ring.run_for(100ms);
   }
+}
+
+// ---- lines that are gone ------------------------------------------------------------------------
+
+VirtualRingOptions noticing(unsigned nodes, Duration late) {
+  VirtualRingOptions options = gigabit(nodes);
+  options.noticing = [late] { return late; };
+  options.adjust = [](core::Settings& settings) {
+    settings.several_hosts = true;
+    settings.send_timeout_least = 100us;
+    settings.beacon = 1ms;
+  };
+  return options;
+}
+
+std::vector<unsigned> ring_sizes(VirtualRing& ring) {
+  std::vector<unsigned> sizes;
+  for (const NodeId id : ring.order()) sizes.push_back(ring.node(id).membership().ring_size());
+  return sizes;
+}
+
+TEST(VirtualRing, AnEndOfALineThatIsGoneNoticesThatInItsTime) {
+  VirtualRing ring(noticing(3, 300us));
+  ASSERT_TRUE(ring.join());
+  ring.cut(0_id);
+  ring.run_for(299us);
+  EXPECT_FALSE(ring.successor(0_id)) << "what it sends is lost at once";
+  EXPECT_TRUE(ring.has_output(0_id)) << "and it does not know that";
+  ring.run_for(1us);
+  EXPECT_FALSE(ring.has_output(0_id));
+}
+
+TEST(VirtualRing, ALineThatIsBackBeforeItsEndsNoticeWasNeverGoneForThem) {
+  VirtualRing ring(noticing(3, 300us));
+  ASSERT_TRUE(ring.join());
+  ring.run_for(10ms);
+  const auto states = [&] {
+    const auto& events = ring.log(1_id).events;
+    const auto is_state = [](const core::Event& e) { return std::holds_alternative<core::StateChanged>(e.what); };
+    return std::count_if(events.begin(), events.end(), is_state);
+  };
+  const auto before = states();
+  ring.cut(0_id);
+  ring.run_for(200us);
+  ring.heal(0_id);
+  ring.run_for(10ms);
+  EXPECT_EQ(states(), before);
+  EXPECT_EQ(ring_sizes(ring), (std::vector<unsigned>{3, 3, 3}));
+}
+
+TEST(VirtualRing, HostsThatLoseEachOtherEachCloseARingAndThenOneAgain) {
+  VirtualRing ring(noticing(5, 300us));
+  ASSERT_TRUE(ring.join());
+  ring.part({1_id, 2_id});
+  ring.run_for(50ms);
+  EXPECT_EQ(ring_sizes(ring), (std::vector<unsigned>{3, 2, 2, 3, 3}));
+  ring.regroup();
+  ring.run_for(50ms);
+  EXPECT_EQ(ring_sizes(ring), (std::vector<unsigned>{5, 5, 5, 5, 5}));
 }
 
 // Also where another packet's slice comes in just then.

@@ -1,6 +1,7 @@
 #include "study/soak/random_faults.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/mended_ring.h"
 
@@ -39,6 +40,8 @@ sim::VirtualRingOptions RandomFaults::ring_options() {
   sim::VirtualRingOptions options;
   options.order = world_.order;
   if (world_.takes_time_to_connect) options.connecting = [this] { return Duration{1ns} * wide_.below(20000); };
+  if (world_.in_parts)
+    options.noticing = [this] { return wide_.below(2) * Duration{1ns} * wide_.below(kNoticedWithin / 1ns); };
   options.byte_time = world_.paced ? Duration{8ns} : Duration{0};
   options.keep_logs = false;
   options.adjust = [this](core::Settings& settings) { world_.adjust(settings); };
@@ -104,6 +107,7 @@ void RandomFaults::act() {
     const bool stands_still = !world_.paced && wide_.below(2) == 0;
     stands_still ? stand_still(node) : hold_output(node);
   }
+  if (world_.in_parts && wide_.once_in(world_.trouble)) burst();
   if (draws_.once_in(7))
     interrupt();
   else
@@ -145,10 +149,7 @@ void RandomFaults::fault() {
     case 0:
       return kill_or_start(node);
     case 1:
-      history_.add(fault::Name::power_cycle, node);
-      if (ring_.alive(node)) ring_.kill(node);
-      killed_[node] = true;
-      return ring_.start(node);
+      return power_cycle(node);
     case 2:
       return freeze_or_thaw(node);
     case 3:
@@ -175,6 +176,50 @@ void RandomFaults::fault() {
     case 12:
       return line_fault(node);
   }
+}
+
+void RandomFaults::power_cycle(NodeId node) {
+  history_.add(fault::Name::power_cycle, node);
+  if (ring_.alive(node)) ring_.kill(node);
+  killed_[node] = true;
+  ring_.start(node);
+}
+
+// Near each other and within a lap: what the first strike has turned back, or cut off, is still under way.
+void RandomFaults::burst() {
+  std::size_t place = wide_.below(world_.nodes);
+  for (unsigned strikes = 2 + wide_.below(3); strikes > 0 && goes_on(); --strikes) {
+    const NodeId node = world_.order[place % world_.nodes];
+    strike(node);
+    draws_.once_in(2) ? interrupt() : send();
+    place += world_.nodes - 1 + wide_.below(3);
+    ring_.run_for(Duration{1ns} * wide_.below(static_cast<unsigned>(ring_.settings(node).worst_lap() / 1ns)));
+    note_violation();
+  }
+}
+
+void RandomFaults::strike(NodeId node) {
+  switch (wide_.below(9)) {
+    case 0:
+      return part_or_regroup(node);
+    case 1:
+      return power_cycle(node);
+    case 2:
+      return freeze_or_thaw(node);
+    case 3:
+    case 4:
+      return heal(node);
+    default:
+      return ring_.alive(node) ? cut(node) : kill_or_start(node);
+  }
+}
+
+// A host has nodes beside each other, from this one on.
+void RandomFaults::part_or_regroup(NodeId node) {
+  core::RingOrder host;
+  const std::size_t nodes = std::exchange(parted_, !parted_) ? 0 : 1 + wide_.below(world_.nodes - 1);
+  for (std::size_t lines = 0; lines < nodes; ++lines) host.push_back(core::node_after(world_.order, node, lines));
+  ring_.part(host);
 }
 
 // No copy may outlive the time-out of a try: the receiver would take it for a new packet, as would one that has
@@ -254,6 +299,7 @@ void RandomFaults::freeze_or_thaw(NodeId node) {
 void RandomFaults::calm_down() {
   quiet_ = true;
   lines_.mend_all();
+  ring_.regroup();
   for (const NodeId node : world_.order) {
     ring_.set_cpu_reads(node, true);
     heal(node);

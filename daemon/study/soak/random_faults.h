@@ -61,6 +61,10 @@ class RandomFaults {
   void send();
   void interrupt();
   void fault();
+  void burst();
+  void strike(wire::NodeId node);
+  void power_cycle(wire::NodeId node);
+  void part_or_regroup(wire::NodeId node);
   void line_fault(wire::NodeId node);
   void stand_still(wire::NodeId node);
   void hold_output(wire::NodeId node);
@@ -81,13 +85,14 @@ class RandomFaults {
   bool can_ask(wire::NodeId node) const { return ring_.alive(node) && !ring_.paused(node); }
 
   Draws draws_;
-  Draws wide_;  ///< for wide worlds alone: seeds of usual ones give the same runs as ever
+  Draws wide_;  ///< for wide worlds and those in parts alone: seeds of usual ones give the same runs as ever
   const SoakWorld world_;
   sim::VirtualRing ring_;
   sim::Invariants invariants_;
   sim::VirtualLineFaults lines_;
   SoakHistory history_;
   bool quiet_ = false;
+  bool parted_ = false;  ///< two hosts do not reach each other
   std::uint64_t slices_when_quiet_ = 0;
   std::vector<bool> killed_;  ///< if not alive: killed (true) or frozen
   std::array<unsigned, wire::kOutcomes> ended_{};

@@ -10,8 +10,9 @@ using wire::NodeId;
 using namespace std::chrono_literals;
 
 SoakWorld::SoakWorld(FoldingRings folding, WorldKind kind, Draws& draws, Draws& wide)
-    : is_wide(kind == WorldKind::wide) {
+    : is_wide(kind != WorldKind::usual), in_parts(kind == WorldKind::parts) {
   choose_mix(folding, draws);
+  if (in_parts) choose_parts(folding, wide);
   choose_nodes(wide);
   takes_time_to_connect = is_wide && wide.below(2) == 0;
 }
@@ -30,8 +31,17 @@ void SoakWorld::choose_mix(FoldingRings folding, Draws& draws) {
   doubles = draws.once_in(2) && !folds_back;  // a fold may bring the copy behind the source's next packet
 }
 
+// Lines do not double packets there: a part that has not met the copy promises nothing. (protocol.md section 4.10)
+void SoakWorld::choose_parts(FoldingRings folding, Draws& wide) {
+  if (nodes < 3 || wide.below(5) != 0) nodes = 3 + wide.below(7);  // parts of a few nodes, and many seeds
+  folds_back = folding == FoldingRings::all || wide.below(2) == 0;
+  const unsigned levels[] = {400, 100, 33};
+  trouble = levels[wide.below(3)];
+  doubles = false;
+}
+
 void SoakWorld::choose_nodes(Draws& wide) {
-  if (is_wide && wide.below(60) == 0) grow(wide);
+  if (is_wide && !in_parts && wide.below(60) == 0) grow(wide);
   std::vector<NodeId> ids;
   for (unsigned id = 0; id < (is_wide ? 255 : nodes); ++id) ids.push_back(static_cast<NodeId>(id));
   for (std::size_t i = ids.size(); is_wide && i-- > 1;)
@@ -53,6 +63,7 @@ void SoakWorld::grow(Draws& wide) {
 
 void SoakWorld::adjust(core::Settings& settings) const {
   sim::set_short_times(settings, paced, folds_back);
+  settings.several_hosts = in_parts;
   if (is_wide) differ(settings);
 }
 
@@ -76,8 +87,11 @@ std::string SoakWorld::describe() const {
     return times == 0 ? "" : std::string(", ") + what + " once in " + std::to_string(times);
   };
   return std::to_string(nodes) + " nodes, lines " + (paced ? "of 1 Gbit/s" : "without a rate") +
-         (folds_back ? ", folding back" : "") + (is_wide ? ", a wide world" : "") + rate("a slice lost", drop) +
-         rate("damaged", damage) + rate("a fault in a step", trouble);
+         (folds_back ? ", folding back" : "") +
+         (in_parts  ? ", on hosts that lose each other"
+          : is_wide ? ", a wide world"
+                    : "") +
+         rate("a slice lost", drop) + rate("damaged", damage) + rate("a fault in a step", trouble);
 }
 
 }  // namespace limb_ring::study

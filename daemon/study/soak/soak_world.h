@@ -12,8 +12,13 @@ namespace limb_ring::study {
 enum class FoldingRings { some, all };
 /// What the simulated world is like: all nodes and lines alike, with ids 0, 1, 2 ...; or wide: sparse and unordered
 /// ids, rarely up to 254 nodes, lines that differ in rate and delay, take time to connect, or take nothing for a
-/// while, nodes that stand still and keep what comes, and traffic once more when all is mended.
-enum class WorldKind { usual, wide };
+/// while, nodes that stand still and keep what comes, and traffic once more when all is mended; or in parts: a wide one
+/// of up to 16 nodes, on several hosts, of which half fold back. There the two ends of a line that is gone notice that
+/// independently, nothing to kNoticedWithin later; hosts lose each other and regroup; and strikes come in bursts, near
+/// each other and within a lap.
+enum class WorldKind { usual, wide, parts };
+/// The `silence` of a link (protocol.md section 7.4) beside the short times of these rings.
+constexpr core::Duration kNoticedWithin = std::chrono::microseconds(300);
 
 /// What a seed has chosen before anything happens: a ring, its lines, and how often something goes wrong on it.
 struct SoakWorld {
@@ -27,6 +32,7 @@ struct SoakWorld {
   std::string describe() const;
 
   bool is_wide;
+  bool in_parts;  ///< its hosts lose each other
   unsigned nodes = 16;
   core::RingOrder order;
   std::vector<core::Duration> delays;  ///< of the lines into the nodes, by place; of a wide world
@@ -39,6 +45,7 @@ struct SoakWorld {
 
  private:
   void choose_mix(FoldingRings folding, Draws& draws);
+  void choose_parts(FoldingRings folding, Draws& wide);
   void choose_nodes(Draws& wide);
   void grow(Draws& wide);
   void differ(core::Settings& settings) const;

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -27,12 +28,14 @@ struct SoakOptions {
   std::uint64_t seeds = 1000;
   std::uint64_t first = 0;  ///< drawn where it is not given: ranges that were run before find less
   bool all_fold_back = false;
-  bool wide = false;
+  study::WorldKind world = study::WorldKind::usual;
   std::uint64_t failures = 1;
   std::optional<std::string> shrink_into;  ///< folder
   bool hashes = false;
   app::Format format = app::Format::text;
 };
+
+const char* const kWorlds[] = {"usual", "wide", "parts"};  // by study::WorldKind
 
 /// Sends by outcome, and hops, over all seeds so far.
 struct Tally {
@@ -56,7 +59,11 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, c
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
          "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what +
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
-         (options.all_fold_back ? " --redundancy foldback" : "") + (options.wide ? " --world wide" : "") + "\n";
+         (options.all_fold_back ? " --redundancy foldback" : "") +
+         (options.world == study::WorldKind::usual
+              ? ""
+              : std::string(" --world ") + kWorlds[static_cast<std::size_t>(options.world)]) +
+         "\n";
 }
 
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
@@ -110,9 +117,7 @@ class Soak {
   /// @return false where enough are broken
   bool run_seed(std::uint64_t seed) {
     using FoldBack = study::RandomFaults::FoldBack;
-    using World = study::RandomFaults::World;
-    study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some,
-                               options_.wide ? World::wide : World::usual);
+    study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some, options_.world);
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
     if (options_.shrink_into) faults.keep_history();
@@ -179,10 +184,14 @@ void add_world(CLI::App& command, SoakOptions& options) {
       ->transform(cli::one_of({"mixed", "foldback"}));
   command
       .add_option_function<std::string>(
-          "--world", [&options](const std::string& what) { options.wide = what == "wide"; },
+          "--world",
+          [&options](const std::string& what) {
+            options.world = static_cast<study::WorldKind>(std::find(kWorlds, std::end(kWorlds), what) - kWorlds);
+          },
           "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
-          "still")
-      ->transform(cli::one_of({"usual", "wide"}));
+          "still; parts: that up to 16 nodes, hosts that lose each other and regroup, ends of lines that notice late, "
+          "faults in bursts within a lap")
+      ->transform(cli::one_of({"usual", "wide", "parts"}));
 }
 
 void add_shrink(CLI::App& command, SoakOptions& options) {
@@ -208,7 +217,7 @@ void check(const SoakOptions& options) {
     throw UsageError("--first: the last of " + std::to_string(options.seeds) + " seeds from " +
                      std::to_string(options.first) + " on would be beyond it; " + std::to_string(kLastSeed) +
                      " is the last one that --first and a scenario take");
-  if (options.shrink_into && options.wide)
+  if (options.shrink_into && options.world != study::WorldKind::usual)
     throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
   if (options.hashes && options.format != app::Format::text)
     throw UsageError("--hashes prints lines of text: leave --json and --csv out");

@@ -75,6 +75,18 @@ TEST(RandomFaults, BreakNoPromiseInWideWorlds) {
   }
 }
 
+// Hosts lose each other and regroup, ends of lines notice that late, and faults come in bursts within a lap.
+TEST(RandomFaults, BreakNoPromiseWhereRingsFallIntoParts) {
+  std::random_device entropy;
+  const std::uint64_t first = std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(entropy);
+  std::cout << "seeds " << first << " to " << first + kRuns / 3 - 1 << '\n';
+  for (std::uint64_t seed = first; seed < first + kRuns / 3; ++seed) {
+    RandomFaults run(seed, RandomFaults::FoldBack::some, RandomFaults::World::parts);
+    run.run();
+    EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
+  }
+}
+
 // A joining node whose hello is lost while a line is down does not start over: what it refused it refuses again.
 TEST(RandomFaults, BreakNoPromiseWhereAJoiningNodeWaitsForALineAgain) { expect_no_breach({2000009148}); }
 
