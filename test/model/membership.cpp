@@ -338,7 +338,7 @@ void Node::beacons(Time now) {
 void Node::membership_timers(Time now) {
   if (break_at_ <= now) {
     break_at_ = kNever;
-    if (out_.up) break_known({in_.neighbour, id()}, true, in_.up, now);
+    break_known({in_.neighbour, id()}, true, in_.up, now);
   }
   if (drained_at_ <= now) {
     drained_at_ = kNever;

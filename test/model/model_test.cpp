@@ -114,6 +114,9 @@ TEST(Model, aCoreDoesWhatTheSpecificationSaysInHistoriesThatOnceShowedSomething)
     compare(seed, tally, RandomFaults::FoldBack::some);
   // Where all are to fold back.
   for (const std::uint64_t seed : {21030, 21075, 41092, 41098}) compare(seed, tally, RandomFaults::FoldBack::all);
+  // Rings that fall into parts.
+  for (const std::uint64_t seed : {700115, 700273})
+    compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::parts);
 }
 
 // MODEL_SEEDS=N runs so many, MODEL_FIRST=N from that one on, MODEL_FOLD=1 on rings that all fold back, MODEL_PARTS=1
