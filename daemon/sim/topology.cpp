@@ -156,11 +156,13 @@ void VirtualRing::connect_later(NodeId id, Line line) {
 
 // The neighbours close the ring without this node.
 void VirtualRing::leave(NodeId id) {
-  std::array<int, 2> before{-1, -1};
+  std::array<std::array<int, 2>, 2> before{};
   for (const Line line : lines()) {
-    int& b = before[static_cast<std::size_t>(line)];
-    b = this->before(id, line);
-    if (b >= 0 && b != id) disconnect_output(static_cast<NodeId>(b), line);
+    // Lines that take time may not lead to the next node yet: then somebody else's still leads here.
+    auto& all = before[static_cast<std::size_t>(line)] = {this->before(id, line), wire_of(id, line).predecessor};
+    for (const int b : all)
+      if (b >= 0 && b != id && wire_of(static_cast<NodeId>(b), line).successor == id)
+        disconnect_output(static_cast<NodeId>(b), line);
     disconnect_output(id, line);
     wire_of(id, line).predecessor = -1;
   }
@@ -169,8 +171,9 @@ void VirtualRing::leave(NodeId id) {
   nodes_[id].alive = nodes_[id].paused = false;
   nodes_[id].waiting.clear();
   for (const Line line : lines()) {
-    const int b = before[static_cast<std::size_t>(line)];
+    const auto& [b, other] = before[static_cast<std::size_t>(line)];
     if (b >= 0 && b != id) connect_later(static_cast<NodeId>(b), line);
+    if (other >= 0 && other != id && other != b) connect_later(static_cast<NodeId>(other), line);
   }
 }
 

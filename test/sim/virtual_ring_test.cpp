@@ -104,6 +104,24 @@ TEST(VirtualRing, ALineThatIsBackBeforeItsEndsNoticeWasNeverGoneForThem) {
   EXPECT_EQ(ring_sizes(ring), (std::vector<unsigned>{3, 3, 3}));
 }
 
+// Node 0 leads to it until it has connected to node 1, which is there again.
+TEST(VirtualRing, NoLineLeadsToTheNextLifeOfANodeThatHasGone) {
+  VirtualRingOptions options = gigabit(4);
+  options.connecting = [] { return Duration{50us}; };
+  VirtualRing ring(options);
+  ring.run_for(1ms);
+  ring.kill(1_id);
+  ring.run_for(1ms);
+  ASSERT_EQ(ring.successor(0_id), 2_id);
+  ring.start(1_id);
+  ring.kill(2_id);
+  ring.start(2_id);
+  EXPECT_EQ(ring.successor(0_id), std::nullopt);
+  ring.run_for(1ms);
+  EXPECT_EQ(ring.successor(0_id), 1_id);
+  EXPECT_EQ(ring.successor(1_id), 2_id);
+}
+
 TEST(VirtualRing, HostsThatLoseEachOtherEachCloseARingAndThenOneAgain) {
   VirtualRing ring(noticing(5, 300us));
   ASSERT_TRUE(ring.join());
