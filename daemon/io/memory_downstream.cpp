@@ -1,8 +1,10 @@
 #include "io/memory_downstream.h"
 
+#include <fcntl.h>
 #include <sys/epoll.h>
-#include <sys/eventfd.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -21,8 +23,8 @@ bool MemoryDownstream::greet(const LinkHeader& connect) {
   // A limit on files (ulimit -f) stays as it is, so this is no attempt to be made again: it ends the daemon.
   if (!memory_ && errno == EFBIG)
     throw std::runtime_error(std::string("cannot make the queue of a line: ") + std::strerror(errno));
-  wake_.reset(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
-  if (!memory_ || !wake_.valid()) {
+  const process::UniqueFd others_end = make_wake();
+  if (!memory_ || !others_end.valid()) {
     ++counters().queue_unavailable;
     return false;
   }
@@ -30,8 +32,15 @@ bool MemoryDownstream::greet(const LinkHeader& connect) {
   LinkHeader header = connect;
   header.type = LinkHeaderType::connect_memory;
   const auto bytes = encode_connect(header, agreement());
-  const auto sent = send_now(socket(), {bytes.data(), bytes.size()}, {memory_->fd(), wake_.get()});
+  const auto sent = send_now(socket(), {bytes.data(), bytes.size()}, {memory_->fd(), others_end.get()});
   return sent == static_cast<ssize_t>(bytes.size());
+}
+
+process::UniqueFd MemoryDownstream::make_wake() {
+  std::array<int, 2> ends{-1, -1};
+  if (::pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC) != 0) return {};
+  wake_.reset(ends[1]);
+  return process::UniqueFd(ends[0]);
 }
 
 std::ptrdiff_t MemoryDownstream::put(wire::ByteView slices, std::string& reason) {
@@ -40,7 +49,7 @@ std::ptrdiff_t MemoryDownstream::put(wire::ByteView slices, std::string& reason)
     ++counters().queue_invalid;
     reason = kInvalidQueue;
   } else if (queue_->must_wake()) {
-    ::eventfd_write(wake_.get(), 1);
+    (void)!::write(wake_.get(), "", 1);  // full, or without a reader: then there is nobody to wake
   }
   return taken;
 }

@@ -19,6 +19,8 @@ class MemoryDownstream final : public UnixDownstream {
 
  private:
   bool greet(const LinkHeader& connect) override;
+  /// @return the other node's end of the pipe; invalid where the kernel gives none
+  process::UniqueFd make_wake();
   std::ptrdiff_t put(wire::ByteView slices, std::string& reason) override;
   std::uint32_t wait_for_room() override;
   /// As much as a UNIX line's socket holds of small packets. The queue alone is too small: to stay in the cache it
@@ -28,7 +30,7 @@ class MemoryDownstream final : public UnixDownstream {
   std::size_t capacity_;
   std::optional<QueueMemory> memory_;
   std::optional<QueueWriter> queue_;
-  process::UniqueFd wake_;
+  process::UniqueFd wake_;  ///< our end of a pipe: whether it waits is ours alone, as it would not be of an eventfd
 };
 
 }  // namespace limb_ring::link

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <utility>
 
@@ -71,8 +72,14 @@ std::optional<QueueMemory> QueueMemory::open(process::UniqueFd memory) {
   return map(std::move(memory), capacity);
 }
 
+// Memory that is not there yet could be refused at any access, which kills this process.
 std::optional<QueueMemory> QueueMemory::map(process::UniqueFd fd, std::size_t capacity) {
-  void* mapped = ::mmap(nullptr, sizeof(QueueControl) + capacity, PROT_READ | PROT_WRITE, MAP_SHARED, fd.get(), 0);
+  const std::size_t size = sizeof(QueueControl) + capacity;
+  if (const int error = ::posix_fallocate(fd.get(), 0, static_cast<off_t>(size)); error != 0) {
+    errno = error;
+    return std::nullopt;
+  }
+  void* mapped = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd.get(), 0);
   if (mapped == MAP_FAILED) return std::nullopt;
   return QueueMemory(std::move(fd), mapped, capacity);
 }

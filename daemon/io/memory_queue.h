@@ -20,7 +20,7 @@ struct QueueControl {
   std::atomic<std::uint32_t> writer_waits;         ///< 1: it wants to be told when there is room
   std::atomic<std::uint32_t> writer_beat;          ///< goes on while the writer lives
   alignas(64) std::atomic<std::uint64_t> read;     ///< bytes since the beginning; the reader's
-  std::atomic<std::uint32_t> reader_sleeps;        ///< 1: it wants its eventfd written when something comes
+  std::atomic<std::uint32_t> reader_sleeps;        ///< 1: it wants a byte in its pipe when something comes
   std::atomic<std::uint32_t> reader_beat;
 };
 static_assert(sizeof(QueueControl) == 128 && std::atomic<std::uint64_t>::is_always_lock_free);

@@ -1,6 +1,12 @@
 #include "io/memory_stream.h"
 
+#include <fcntl.h>
 #include <sys/epoll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <string>
 
 namespace limb_ring::link {
 namespace {
@@ -10,6 +16,13 @@ constexpr int kMostReads = 8;
 
 }  // namespace
 
+process::UniqueFd open_wake(const process::UniqueFd& given) {
+  struct stat found {};
+  if (::fstat(given.get(), &found) != 0 || !S_ISFIFO(found.st_mode)) return {};
+  const std::string path = "/proc/self/fd/" + std::to_string(given.get());
+  return process::UniqueFd(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+}
+
 MemoryStream::MemoryStream(boost::asio::io_context& io, process::UniqueFd socket, QueueMemory memory,
                            process::UniqueFd wake, const LinkHeader& alive, Owner& owner, InputHandler& handler,
                            InputCounters& counters)
@@ -17,8 +30,15 @@ MemoryStream::MemoryStream(boost::asio::io_context& io, process::UniqueFd socket
       memory_(std::move(memory)),
       queue_(memory_),
       wake_(std::move(wake)),
-      woken_(io, wake_.get(), EPOLLIN, [this](std::uint32_t) { read(); }) {
+      woken_(io, wake_.get(), EPOLLIN, [this](std::uint32_t events) { on_woken(events); }) {
   woken_.call_again();
+}
+
+// The pipe is emptied, since a full one wakes nobody.
+void MemoryStream::on_woken(std::uint32_t events) {
+  std::array<char, 4096> bytes;
+  if (events != 0) (void)!::read(wake_.get(), bytes.data(), bytes.size());
+  read();
 }
 
 void MemoryStream::read() {

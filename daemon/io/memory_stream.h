@@ -5,9 +5,14 @@
 
 namespace limb_ring::link {
 
+/// The end of a pipe that wakes us, opened anew: what we have been given the other node has too, and could make us wait
+/// in it. @return invalid where it is no pipe
+process::UniqueFd open_wake(const process::UniqueFd& given);
+
 /// A stream whose slices come through shared memory. Its socket says who is there, and that it has ended.
 class MemoryStream final : public UnixStream {
  public:
+  /// @param wake open_wake()'s
   /// @throw std::system_error where one of them cannot be waited for
   MemoryStream(boost::asio::io_context& io, process::UniqueFd socket, QueueMemory memory, process::UniqueFd wake,
                const LinkHeader& alive, Owner& owner, InputHandler& handler, InputCounters& counters);
@@ -18,6 +23,7 @@ class MemoryStream final : public UnixStream {
   void close() override;
 
  private:
+  void on_woken(std::uint32_t events);
   /// @return false: nothing is there, or this stream is over
   bool read_once();
 

@@ -36,7 +36,7 @@ class PendingConnection : public std::enable_shared_from_this<PendingConnection>
   /// True if the other end has closed meanwhile: a node that was frozen finds attempts that others gave up long ago.
   bool hung_up();
   void answer(const LinkHeader& header);
-  /// What came with its header: for a line through shared memory, the memory and the eventfd.
+  /// What came with its header: for a line through shared memory, the memory and the pipe.
   std::vector<process::UniqueFd>& descriptors() { return descriptors_; }
   /// Hands the socket over; the connection is closed then.
   process::UniqueFd release();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 namespace limb_ring::link {
 namespace {
@@ -99,16 +100,20 @@ void UnixInput::turn_away(PendingConnection& connection, const LinkHeader& conne
 
 void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) {
   std::optional<QueueMemory> memory;
+  process::UniqueFd wake;
   if (connect.type == LinkHeaderType::connect_memory) {
-    if (connection.descriptors().size() == kMostDescriptors)
-      memory = QueueMemory::open(std::move(connection.descriptors()[0]));
-    if (!memory)
+    auto given = std::exchange(connection.descriptors(), {});
+    if (given.size() == kMostDescriptors) {
+      memory = QueueMemory::open(std::move(given[0]));
+      wake = open_wake(given[1]);
+    }
+    if (!memory || !wake.valid())
       return turn_away(connection, connect, admission_.header(LinkHeaderType::refuse, Refusal::invalid_memory));
   }
   LinkHeader accept = admission_.header(LinkHeaderType::accept);
   accept.session = connect.session;
   connection.answer(accept);
-  auto stream = make_stream(connection, std::move(memory));
+  auto stream = make_stream(connection, std::move(memory), std::move(wake));
   if (!stream) return report_.unknown_peer(admission_.label(connect.sender) + ": cannot wait for what it sends");
   upstream_.give_way(connect.sender);
   if (closed_) return;
@@ -120,17 +125,18 @@ void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) 
   handler_.on_input_up(from_);
 }
 
-std::shared_ptr<UnixStream> UnixInput::make_stream(PendingConnection& connection, std::optional<QueueMemory> memory) {
+std::shared_ptr<UnixStream> UnixInput::make_stream(PendingConnection& connection, std::optional<QueueMemory> memory,
+                                                   process::UniqueFd wake) {
   UnixStream::Owner& owner = *this;
   const LinkHeader alive = admission_.header(LinkHeaderType::alive);
   InputCounters& counters = report_.counters;
   process::UniqueFd socket = connection.release();
   try {
     if (!memory) return std::make_shared<UnixStream>(io_, std::move(socket), alive, owner, handler_, counters);
-    return std::make_shared<MemoryStream>(io_, std::move(socket), std::move(*memory),
-                                          std::move(connection.descriptors()[1]), alive, owner, handler_, counters);
+    return std::make_shared<MemoryStream>(io_, std::move(socket), std::move(*memory), std::move(wake), alive, owner,
+                                          handler_, counters);
   } catch (const std::system_error&) {
-    return nullptr;  // what it offered is no eventfd
+    return nullptr;  // the kernel watches no more descriptors for us
   }
 }
 

@@ -43,7 +43,8 @@ class UnixInput final : public InputLine,
 
   void turn_away(PendingConnection& connection, const LinkHeader& connect, const LinkHeader& refuse);
   void admit(PendingConnection& connection, const LinkHeader& connect);
-  std::shared_ptr<UnixStream> make_stream(PendingConnection& connection, std::optional<QueueMemory> memory);
+  std::shared_ptr<UnixStream> make_stream(PendingConnection& connection, std::optional<QueueMemory> memory,
+                                          process::UniqueFd wake);
   void lose(std::string_view reason);
   void let_go(const std::shared_ptr<PendingConnection>& connection);
   void tick(Time now);

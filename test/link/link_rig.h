@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/asio/io_context.hpp>
+#include <csignal>
 #include <memory>
 
 #include "io/input.h"
@@ -35,6 +36,7 @@ class LinkRig {
   static constexpr Timing kQuick{std::chrono::milliseconds(20), std::chrono::milliseconds(60)};
 
   LinkRig(std::size_t nodes, Transport transport, Timing timing = kQuick) : timing_(timing) {
+    std::signal(SIGPIPE, SIG_IGN);  // as ringd does
     for (std::size_t i = 0; i < nodes; ++i) {
       nodes_.push_back(std::make_unique<RigNode>());
       order_.push_back(static_cast<std::uint8_t>(i));

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <random>
 
@@ -16,12 +17,29 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+/// A pipe, as the sending end of a line makes it.
+struct WakePipe {
+  process::UniqueFd reading, writing;
+  WakePipe() {
+    std::array<int, 2> ends;
+    EXPECT_EQ(::pipe2(ends.data(), O_NONBLOCK | O_CLOEXEC), 0);
+    reading.reset(ends[0]);
+    writing.reset(ends[1]);
+  }
+  void wake() { EXPECT_EQ(::write(writing.get(), "", 1), 1); }
+};
+
+/// From now on whoever has this open file waits in it.
+void make_it_wait(const process::UniqueFd& fd) {
+  ASSERT_EQ(::fcntl(fd.get(), F_SETFL, ::fcntl(fd.get(), F_GETFL) & ~O_NONBLOCK), 0);
+}
+
 /// Node 1's input, with this test as node 0.
 struct MemoryInputFromHand : testing::Test {
   LinkRig rig{3, Endpoint::Transport::shm};
   std::optional<QueueMemory> memory = QueueMemory::make(QueueMemory::kSmallest);
   QueueWriter queue{*memory};
-  process::UniqueFd wake{::eventfd(0, EFD_NONBLOCK)};
+  WakePipe pipe;
   process::UniqueFd line;
   RecordingInput& heard = rig.node(1).heard;
 
@@ -39,12 +57,12 @@ struct MemoryInputFromHand : testing::Test {
       send_now(line.get(), {bytes.data(), bytes.size()}, descriptors);
   }
   void connect() {
-    greet({memory->fd(), wake.get()});
+    greet({memory->fd(), pipe.reading.get()});
     ASSERT_TRUE(rig.until([&] { return rig.node(1).input->from() == 0; }));
   }
   void put(const wire::SliceWriter& slices) {
     ASSERT_EQ(queue.put(slices.view()), static_cast<std::ptrdiff_t>(slices.view().size));
-    if (queue.must_wake()) ::eventfd_write(wake.get(), 1);
+    if (queue.must_wake()) pipe.wake();
   }
   std::optional<LinkHeader> answer() {
     std::array<std::uint8_t, kLinkHeaderSize> bytes;
@@ -113,29 +131,51 @@ TEST_F(MemoryInputFromHand, EndsWithDescriptorsInEachPartOfAHandshake) {
   header.ring = LinkRig::kRing;
   const auto bytes = encode_connect(header, {});
   for (std::size_t sent = 0; sent < 3; ++sent)  // it could be as many as it has bytes
-    send_now(line.get(), {bytes.data() + sent, 1}, {memory->fd(), wake.get()});
+    send_now(line.get(), {bytes.data() + sent, 1}, {memory->fd(), pipe.reading.get()});
   ASSERT_TRUE(rig.until([&] { return counters().unknown_peers == 1; }));
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("is not a limb_ring node"));
 }
 
 TEST_F(MemoryInputFromHand, RefusesMemoryThatIsNotSealed) {
   process::UniqueFd file(::open("/dev/zero", O_RDWR));
-  greet({file.get(), wake.get()});
+  greet({file.get(), pipe.reading.get()});
   EXPECT_EQ(answer()->refusal, Refusal::invalid_memory);
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("shared memory"));
 }
 
-TEST_F(MemoryInputFromHand, TurnsAwayWhoGivesNothingToWaitFor) {
-  process::UniqueFd folder(::open("/", O_RDONLY | O_DIRECTORY));
-  greet({memory->fd(), folder.get()});
-  ASSERT_TRUE(rig.until([&] { return counters().unknown_peers == 1; }));
-  EXPECT_TRUE(lost());
+TEST_F(MemoryInputFromHand, RefusesAtOnceWhateverIsNoPipe) {
+  const process::UniqueFd folder(::open("/", O_RDONLY | O_DIRECTORY));
+  const process::UniqueFd event(::eventfd(0, EFD_NONBLOCK));
+  for (const process::UniqueFd* other : {&folder, &event}) {
+    greet({memory->fd(), other->get()});
+    EXPECT_EQ(answer()->refusal, Refusal::invalid_memory);
+    EXPECT_TRUE(lost());
+  }
+}
+
+TEST(OpenWake, OpensThePipeAnewSoThatTheOtherNodeCannotMakeUsWaitInIt) {
+  WakePipe pipe;
+  const process::UniqueFd ours = open_wake(pipe.reading);
+  make_it_wait(pipe.reading);
+  char byte;
+  EXPECT_EQ(::read(ours.get(), &byte, 1), -1);
+  EXPECT_EQ(errno, EAGAIN);
+}
+
+TEST_F(MemoryInputFromHand, IsWokenHoweverOftenItWasWokenBefore) {
+  connect();
+  while (::write(pipe.writing.get(), "", 1) == 1) continue;
+  rig.run_for(milliseconds(0));
+  wire::SliceWriter slices;
+  put_whole(slices, 20, 6);
+  put(slices);
+  ASSERT_TRUE(rig.until([&] { return heard.slices.size() == 1; }));
 }
 
 TEST_F(MemoryInputFromHand, EndsTheLineOnAnIndexThatCannotBe) {
   connect();
   memory->control().written.store(1u << 30);
-  ::eventfd_write(wake.get(), 1);
+  pipe.wake();
   ASSERT_TRUE(rig.until([&] { return lost(); }));
   EXPECT_EQ(counters().queue_invalid, 1u);
   EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("shared memory is invalid")));
@@ -145,7 +185,7 @@ TEST_F(MemoryInputFromHand, EndsTheLineOnWhatIsNoSlice) {
   connect();
   const std::vector<std::uint8_t> garbage(50, 0xFF);
   queue.put({garbage.data(), garbage.size()});
-  ::eventfd_write(wake.get(), 1);
+  pipe.wake();
   ASSERT_TRUE(rig.until([&] { return lost(); }));
   EXPECT_EQ(counters().malformed, 1u);
 }
@@ -164,7 +204,7 @@ TEST_F(MemoryInputFromHand, SurvivesAPeerThatOverwritesTheWholeMemory) {
       auto* all = reinterpret_cast<std::uint8_t*>(&memory->control());
       const std::size_t size = random() % 2 == 0 ? 128 : 128 + memory->capacity();
       for (int n = 0; n < 20; ++n) all[random() % size] = static_cast<std::uint8_t>(random());
-      ::eventfd_write(wake.get(), 1);
+      pipe.wake();
       rig.run_for(milliseconds(0));
     }
     line.reset();
@@ -213,9 +253,19 @@ TEST_F(MemoryOutputToHand, WakesTheReaderThatSleeps) {
   QueueReader reader(*memory);
   ASSERT_TRUE(reader.sleep());
   write(1);
-  eventfd_t woken = 0;
-  EXPECT_EQ(::eventfd_read(offered[1].get(), &woken), 0);
-  EXPECT_EQ(woken, 1u);
+  std::array<char, 8> woken;
+  EXPECT_EQ(::read(offered[1].get(), woken.data(), woken.size()), 1);
+}
+
+TEST_F(MemoryOutputToHand, DoesNotWaitForAReaderThatLetsItsPipeRunFull) {
+  make_it_wait(offered[1]);
+  const std::string path = "/proc/self/fd/" + std::to_string(offered[1].get());
+  const process::UniqueFd writing(::open(path.c_str(), O_WRONLY | O_NONBLOCK));
+  while (::write(writing.get(), "", 1) == 1) continue;
+  QueueReader reader(*memory);
+  ASSERT_TRUE(reader.sleep());
+  write(1);
+  EXPECT_EQ(memory->control().written.load(), 528u);
 }
 
 TEST_F(MemoryOutputToHand, KeepsWhatThereIsNoRoomForUntilThereIs) {
