@@ -154,6 +154,7 @@ void PacketLoop::end_turn() {
   at_turn_end_.clear();
   stopped_.clear();
   in_turn_ = false;
+  ++turns_;
   if (has_work()) finish_soon();
 }
 
@@ -162,12 +163,14 @@ void PacketLoop::end_turn() {
 void PacketLoop::run(std::chrono::nanoseconds spin) {
   running_ = true;
   while (!io_.stopped()) {
-    if (has_work())
-      catch_up();
-    else if (hot_)
+    if (hot_) {
       run_hot(spin);
-    else
+    } else if (has_work()) {
+      catch_up();
+      io_.poll();  // there may be work in every turn, and all else has its turns, too
+    } else {
       io_.run_one();  // nothing passes: whatever comes first
+    }
   }
   running_ = false;
 }

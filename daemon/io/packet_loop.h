@@ -3,6 +3,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -44,6 +45,8 @@ class PacketLoop final : public boost::asio::execution_context::service {
   /// Calls `call` at the end of this turn, when all that is ready has been read, so that what a turn leads to is
   /// written together.
   void at_turn_end(std::function<void()> call);
+  /// How many turns are over.
+  std::uint64_t turns() const { return turns_; }
   /// Packets pass: the process is awake now, and will be again in a moment.
   bool packets_pass() const { return hot_; }
   /// A process of this host has been given something in this turn, such as the node's CPU, and may answer.
@@ -97,6 +100,7 @@ class PacketLoop final : public boost::asio::execution_context::service {
   bool cold_due_ = false;
   CoreSharing sharing_;
   bool answer_due_ = false;  ///< in this turn
+  std::uint64_t turns_ = 0;
 };
 
 }  // namespace limb_ring::event_loop

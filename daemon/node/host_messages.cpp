@@ -1,5 +1,6 @@
 // What HostServer does with each message of a client.
 #include <algorithm>
+#include <utility>
 
 #include "client/arguments.h"
 #include "io/process_state.h"
@@ -27,9 +28,18 @@ bool changes_something(const client::ToDaemon& message, const HostHandler& handl
 void HostServer::on_message(Session& session, const client::ToDaemon& message) {
   if (options_.turns != nullptr && !session.info().lockstep && changes_something(message, handler_))
     options_.turns->disturbed();
+  const auto began = std::chrono::steady_clock::now();
   if (session.attached()) handler_.on_alive(session.info().id);
   std::visit([&](const auto& kind) { on(session, kind); }, message);
+  count_time(began);
 }
+
+void HostServer::count_time(std::chrono::steady_clock::time_point since) {
+  if (std::exchange(turn_, loop_.turns()) != loop_.turns()) taken_ = {};
+  taken_ += std::chrono::steady_clock::now() - since;
+}
+
+bool HostServer::has_asked_enough() const { return taken_ >= kTimePerTurn; }
 
 /// If both are pending, the kernel may report a new CPU's greeting before the end of the old CPU's connection. And a
 /// process that the old one has forked may have kept that open.

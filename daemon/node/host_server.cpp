@@ -18,6 +18,7 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 
 HostServer::HostServer(boost::asio::io_context& io, HostOptions options, HostHandler& handler)
     : io_(io),
+      loop_(event_loop::PacketLoop::of(io)),
       options_(std::move(options)),
       handler_(handler),
       listener_(io, options_.directory, options_.id, options_.name),

@@ -45,6 +45,9 @@ class HostServer final : private SessionOwner {
   /// Beside limits.clients, for those who ask and go and for the CPU: programs that fill all places must not keep a
   /// stop from the node, nor its CPU.
   static constexpr unsigned kKeptPlaces = 8;
+  /// What clients say may take this time in one turn of the event loop, and at least one message of each is handled: a
+  /// status takes 55 us, and packets wait meanwhile.
+  static constexpr std::chrono::microseconds kTimePerTurn{200};
 
   /// Listens from here on; the caller holds the node's lock.
   /// @throw std::exception naming the path and what is wrong with it
@@ -99,6 +102,9 @@ class HostServer final : private SessionOwner {
   std::string full() const;
   SessionPtr make_session(process::UniqueFd socket, const ClientInfo& info);
   void on_message(Session& session, const client::ToDaemon& message) override;
+  bool has_asked_enough() const override;
+  /// Counts the time since `since` towards what clients may take in this turn.
+  void count_time(std::chrono::steady_clock::time_point since);
   void on_end(Session& session, End end) override;
   void count(End end);
   void retire(Session& session);
@@ -126,6 +132,7 @@ class HostServer final : private SessionOwner {
   Session* find(ClientId client);
 
   boost::asio::io_context& io_;
+  event_loop::PacketLoop& loop_;
   HostOptions options_;
   HostHandler& handler_;
   Listener listener_;
@@ -137,7 +144,9 @@ class HostServer final : private SessionOwner {
   SessionPtr left_cpu_;     ///< was that one, and on_left() is still to be called
   ClientId last_id_ = 0;
   HostCounters counters_;
-  bool short_ = false;  ///< the last client that came could not be let in
+  std::uint64_t turn_ = 0;             ///< of the event loop, the last in which a client has said something
+  std::chrono::nanoseconds taken_{0};  ///< by what clients have said in that turn
+  bool short_ = false;                 ///< the last client that came could not be let in
   bool frozen_ = false;
   process::UniqueFd came_while_frozen_;  ///< the next ones wait in the kernel
   /// False once closed: what was posted before must not call the handler then.

@@ -122,7 +122,15 @@ void Session::on_ready(std::uint32_t events) {
 
 bool Session::has_said_enough() const { return greeted_ && !attached_ && in_.view().size >= client::kMaxSizeToDaemon; }
 
-void Session::read() { take(::recv(socket_.get(), in_.space(kReadSize), kReadSize, MSG_DONTWAIT)); }
+void Session::read() {
+  if (std::exchange(put_off_, false)) take_frames();
+  if (open() && !put_off_) take(::recv(socket_.get(), in_.space(kReadSize), kReadSize, MSG_DONTWAIT));
+}
+
+void Session::put_off_the_rest() {
+  put_off_ = true;
+  watch_.call_again();
+}
 
 void Session::thaw() {
   frozen_ = false;
@@ -135,7 +143,7 @@ void Session::take(ssize_t got) {
   const bool ended = got == 0 || (got < 0 && !would_block(errno));
   if (got > 0) in_.added(static_cast<std::size_t>(got));
   take_frames();
-  if (!open()) return;
+  if (!open() || put_off_) return;
   if (ended) return fail(SessionOwner::End::closed);
   if (got > 0 && (ending_ || static_cast<std::size_t>(got) == kReadSize)) watch_.call_again();
 }
@@ -152,6 +160,7 @@ void Session::take_frames() {
     if (greeting == attached_ || ends_no_turn) return fail(SessionOwner::End::garbage);
     owner_->on_message(*this, *message);
     in_.used(parse.consumed);
+    if (open() && !turn_ && owner_->has_asked_enough()) return put_off_the_rest();
   }
 }
 

@@ -24,6 +24,9 @@ class SessionOwner {
  public:
   virtual ~SessionOwner() = default;
   virtual void on_message(Session& session, const client::ToDaemon& message) = 0;
+  /// What clients ask in one turn of the event loop has taken all the time that it may: the rest of it waits for the
+  /// next turn, so that a client that asks fast does not hold up the ring.
+  virtual bool has_asked_enough() const { return false; }
   enum class End : std::uint8_t { closed, garbage, never_greeted, too_slow };
   /// Called once, unless the owner ended the session. It may come from inside Session::put(), so the owner must not
   /// tell anybody else yet.
@@ -108,6 +111,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void take_frames();
   /// It has greeted and is not attached: what it says beyond a limit waits in its socket until it is.
   bool has_said_enough() const;
+  void put_off_the_rest();
   std::uint32_t input_events() const;
   /// @return false where there is no session any more
   template <typename Kind>
@@ -142,7 +146,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool greeted_ = false;            ///< and is not attached yet
   bool frozen_ = false;
   bool ended_by_client_ = false;
-  bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read
+  bool put_off_ = false;  ///< what was read is not all taken yet
+  bool ending_ = false;   ///< the other end has gone; what it sent before is still to be read
   event_loop::Watch watch_;
 };
 

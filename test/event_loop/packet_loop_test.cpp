@@ -72,6 +72,17 @@ TEST_P(Loop, AsiosTimersRunWhilePacketsPass) {
   EXPECT_GT(calls, 1);
 }
 
+TEST_P(Loop, AllElseHasItsTurnsWhileOneAsksToBeCalledAgainInEach) {
+  process::UniqueFd other(::eventfd(0, EFD_NONBLOCK));
+  boost::asio::steady_timer timer(io, milliseconds(1));
+  Watch busy;
+  busy = Watch(io, fd.get(), EPOLLIN, [&](std::uint32_t) { busy.call_again(); });
+  Watch second(io, other.get(), EPOLLIN, [&](std::uint32_t) { io.stop(); });
+  timer.async_wait([&](const boost::system::error_code&) { ::eventfd_write(other.get(), 1); });
+  signal();
+  run();
+}
+
 TEST_P(Loop, WhatATurnLeadsToIsCalledAtItsEndInOrder) {
   process::UniqueFd other(::eventfd(0, EFD_NONBLOCK));
   PacketLoop& loop = PacketLoop::of(io);

@@ -1,5 +1,8 @@
 // What a client asks, and what comes back to it.
+#include <algorithm>
+
 #include "host/host_fixture.h"
+#include "host/raw_client.h"
 
 namespace limb_ring {
 namespace {
@@ -129,6 +132,27 @@ TEST_F(Calls, AreAllSignsOfLife) {
   port.send(1, {1});
   until([&] { return handler.sends.size() == 1; });
   EXPECT_EQ(handler.alive, 3u);
+}
+
+TEST_F(Calls, ThatTakeLongWaitForTheNextTurnAndEachClientHasOneInEach) {
+  test::RawClient fast("r", "3"), second("r", "3");
+  std::vector<std::pair<host::ClientId, std::uint64_t>> asked;
+  handler.when_asked = [&](const auto& call) {
+    asked.emplace_back(call.client, event_loop::PacketLoop::of(io).turns());
+    const auto until = std::chrono::steady_clock::now() + host::HostServer::kTimePerTurn;
+    while (std::chrono::steady_clock::now() < until) continue;
+  };
+  for (test::RawClient* client : {&fast, &second}) client->say(client::Greeting{});
+  until([&] { return handler.attached.size() == 2; });
+  client::Bytes burst;
+  for (std::uint32_t i = 0; i < 20; ++i) client::append(burst, client::JsonRequest{i, "{}"});
+  fast.say_bytes(burst);
+  until([&] { return !asked.empty(); });
+  second.say_bytes(burst);
+  until([&] { return asked.size() == 40; });
+  EXPECT_NE(asked[20].first, asked[21].first) << "the second client was kept waiting";
+  std::sort(asked.begin(), asked.end());
+  EXPECT_EQ(std::adjacent_find(asked.begin(), asked.end()), asked.end()) << "two in one turn";
 }
 
 TEST_F(Calls, AnswersForAClientThatIsGoneAreDropped) {
