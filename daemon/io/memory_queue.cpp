@@ -75,7 +75,10 @@ std::optional<QueueMemory> QueueMemory::open(process::UniqueFd memory) {
 // Memory that is not there yet could be refused at any access, which kills this process.
 std::optional<QueueMemory> QueueMemory::map(process::UniqueFd fd, std::size_t capacity) {
   const std::size_t size = sizeof(QueueControl) + capacity;
-  if (const int error = ::posix_fallocate(fd.get(), 0, static_cast<off_t>(size)); error != 0) {
+  int error;
+  do error = ::posix_fallocate(fd.get(), 0, static_cast<off_t>(size));
+  while (error == EINTR);
+  if (error != 0) {
     errno = error;
     return std::nullopt;
   }

@@ -39,54 +39,41 @@ namespace {
   throw std::system_error(error, std::generic_category(), what);
 }
 
-MappedRing map_ring(int fd, int protection, const std::string& path) {
-  void* memory = ::mmap(nullptr, sizeof(ObservationRing), protection, MAP_SHARED | MAP_POPULATE, fd, 0);
-  if (memory == MAP_FAILED) fail_with(errno, "cannot map " + path);
-  return MappedRing(static_cast<ObservationRing*>(memory));
-}
+ObservationRing* in(const process::MappedFile& file) { return static_cast<ObservationRing*>(file.data()); }
 
-// Disk space is allocated now: if the disk filled up later, a write to the mapping would end the daemon by SIGBUS.
-MappedRing make_ring(const std::string& path) {
-  ::unlink(path.c_str());
-  const process::UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.valid()) fail_with(errno, "cannot make " + path);
-  const int error = ::posix_fallocate(file.get(), 0, sizeof(ObservationRing));
-  if (error != 0) {
-    ::unlink(path.c_str());
-    fail_with(error, "no room for " + path);
-  }
-  return map_ring(file.get(), PROT_READ | PROT_WRITE, path);
-}
-
-MappedRing open_ring(const std::string& path) {
+process::MappedFile open_ring(const std::string& path) {
   const process::UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!file.valid()) fail_with(errno, "cannot read " + path);
   struct stat status {};
   if (::fstat(file.get(), &status) != 0 || status.st_size != static_cast<off_t>(sizeof(ObservationRing)))
     throw std::runtime_error(path + " holds no observations of this version");
-  MappedRing ring = map_ring(file.get(), PROT_READ, path);
-  if (ring->magic != kRingMagic) throw std::runtime_error(path + " holds no observations");
+  process::MappedFile ring(file, sizeof(ObservationRing), PROT_READ, path);
+  if (in(ring)->magic != kRingMagic) throw std::runtime_error(path + " holds no observations");
   return ring;
 }
 
 }  // namespace
 
-void UnmapRing::operator()(ObservationRing* ring) const { ::munmap(ring, sizeof(ObservationRing)); }
-
-ObservationFile::ObservationFile(std::string path) : path_(std::move(path)), ring_(make_ring(path_)) {
+ObservationFile::ObservationFile(std::string path)
+    : path_(std::move(path)), file_(process::MappedFile::make(path_, sizeof(ObservationRing))), ring_(in(file_)) {
   ring_->magic = kRingMagic;
 }
 
 ObservationFile::~ObservationFile() { ::unlink(path_.c_str()); }
 
-bool ObservationFile::is_there() const { return ::access(path_.c_str(), F_OK) == 0; }
+bool ObservationFile::is_there() const {
+  struct stat found {};
+  return ::stat(path_.c_str(), &found) == 0 && found.st_size == static_cast<off_t>(file_.size()) && !file_.is_cut_off();
+}
 
+// Of what was cut off nothing is kept: a reader of it goes on at count().
 void ObservationFile::make_again() {
-  MappedRing again = make_ring(path_);
-  again->all = ring_->all;
-  again->count.store(count_, std::memory_order_release);
-  again->magic = kRingMagic;
-  ring_ = std::move(again);
+  process::MappedFile again = process::MappedFile::make(path_, sizeof(ObservationRing));
+  in(again)->all = ring_->all;
+  in(again)->count.store(count_, std::memory_order_release);
+  in(again)->magic = kRingMagic;
+  file_ = std::move(again);
+  ring_ = in(file_);
 }
 
 void ObservationFile::put(const Observation& seen) {
@@ -95,9 +82,14 @@ void ObservationFile::put(const Observation& seen) {
 }
 
 ObservationReader::ObservationReader(const std::string& path, std::uint64_t from)
-    : ring_(open_ring(path)), next_(from) {}
+    : file_(open_ring(path)), ring_(in(file_)), next_(from) {}
 
-void ObservationReader::follow(const std::string& path) { ring_ = open_ring(path); }
+void ObservationReader::follow(const std::string& path, std::uint64_t from) {
+  (void)ring_->count.load();  // finds out whether it was cut off
+  if (file_.is_cut_off()) lost_ += from - std::exchange(next_, from);
+  file_ = open_ring(path);
+  ring_ = in(file_);
+}
 
 std::uint64_t ObservationReader::read(std::vector<Observation>& seen) {
   seen.clear();
@@ -114,8 +106,12 @@ std::uint64_t ObservationReader::read(std::vector<Observation>& seen) {
     seen.erase(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(bad));
     from += bad;
   }
+  if (file_.is_cut_off()) {  // what was copied may be what is there in its place
+    seen.clear();
+    return 0;
+  }
   next_ = count;
-  return from - first;
+  return from - first + std::exchange(lost_, 0);
 }
 
 }  // namespace limb_ring::promises

@@ -1,19 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "io/mapped_file.h"
 #include "judge/observation.h"
 
 namespace limb_ring::promises {
 
 struct ObservationRing;  ///< how it lies in the file
-struct UnmapRing {
-  void operator()(ObservationRing* ring) const;
-};
-using MappedRing = std::unique_ptr<ObservationRing, UnmapRing>;
 
 /// Where a node's observations are written: a mapped file of bounded size, for any number of readers. A reader that is
 /// too slow loses some, and knows how many. The node never waits, and what it has written survives a kill. (ours)
@@ -25,7 +21,7 @@ class ObservationFile final : public ObservationSink {
 
   void put(const Observation& seen) override;
   const std::string& path() const { return path_; }
-  /// False where it was removed from its folder; who has it open sees no difference.
+  /// False where it was removed from its folder, which who has it open does not see, or cut off.
   bool is_there() const;
   /// Makes it anew with all that it holds. Who has the old one open sees nothing more, and has to follow().
   /// @throw std::system_error
@@ -35,7 +31,8 @@ class ObservationFile final : public ObservationSink {
 
  private:
   std::string path_;
-  MappedRing ring_;
+  process::MappedFile file_;
+  ObservationRing* ring_;
   std::uint64_t count_ = 0;
 };
 
@@ -49,12 +46,15 @@ class ObservationReader {
   /// All that has come since, into `seen`, which is emptied before. @return so many were lost before these
   std::uint64_t read(std::vector<Observation>& seen);
 
-  /// Goes on where it is in a file that was made again. @throw std::runtime_error where it is no such file
-  void follow(const std::string& path);
+  /// Goes on where it is in a file that was made again; at `from`, and what is before it is lost, if the old one was
+  /// cut off. @param from count() when it was made again @throw std::runtime_error where it is no such file
+  void follow(const std::string& path, std::uint64_t from);
 
  private:
-  MappedRing ring_;
+  process::MappedFile file_;
+  ObservationRing* ring_;
   std::uint64_t next_;
+  std::uint64_t lost_ = 0;  ///< since the last read()
 };
 
 }  // namespace limb_ring::promises

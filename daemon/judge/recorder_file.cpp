@@ -26,31 +26,11 @@ constexpr const char* kExtension = ".record";
 constexpr const char* kFormer = ".former";
 constexpr const char* kNew = ".new";
 
-std::uint8_t* map(int fd, std::size_t size, int protection, const std::string& path) {
-  void* memory = ::mmap(nullptr, size, protection, MAP_SHARED, fd, 0);
-  if (memory == MAP_FAILED) throw_errno("cannot map " + path);
-  return static_cast<std::uint8_t*>(memory);
-}
-
 // Writes to each page now, so that no packet has to wait for a page fault. MAP_POPULATE would only make them readable.
-void touch(std::uint8_t* memory, std::size_t size) {
+process::MappedFile touched(process::MappedFile file) {
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  for (std::size_t at = 0; at < size; at += page) static_cast<volatile std::uint8_t*>(memory)[at] = 0;
-}
-
-// Disk space is allocated now: if the disk filled up later, a write to the mapping would end the daemon by SIGBUS.
-std::uint8_t* map_new(const std::string& path, std::size_t size) {
-  ::unlink(path.c_str());
-  const process::UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.valid()) throw_errno("cannot make " + path);
-  const int error = ::posix_fallocate(file.get(), 0, static_cast<off_t>(size));
-  if (error != 0) {
-    ::unlink(path.c_str());
-    throw std::system_error(error, std::generic_category(), "no room for " + path);
-  }
-  std::uint8_t* memory = map(file.get(), size, PROT_READ | PROT_WRITE, path);
-  touch(memory, size);
-  return memory;
+  for (std::size_t at = 0; at < file.size(); at += page) static_cast<volatile std::uint8_t*>(file.data())[at] = 0;
+  return file;
 }
 
 bool write_all(int fd, const std::vector<std::uint8_t>& data) {
@@ -75,16 +55,17 @@ void write_whole(const std::vector<std::uint8_t>& data, const std::string& path)
 
 }  // namespace
 
-void Unmap::operator()(std::uint8_t* memory) const { ::munmap(memory, size); }
-
 RecorderFile::RecorderFile(const std::string& path, std::size_t size, core::NetworkController& controller,
                            const Title& title, core::Time now, std::function<void()> on_too_small)
-    : memory_(map_new(path + kNew, size), {size}),
-      recorder_(controller, memory_.get(), size, title, now, std::move(on_too_small)) {
+    : path_(path),
+      memory_(touched(process::MappedFile::make(path + kNew, size))),
+      recorder_(controller, static_cast<std::uint8_t*>(memory_.data()), size, title, now, std::move(on_too_small)) {
   // Only now: a start that fails, as where the disk is full, leaves the recordings of both lives as they are.
   ::rename(path.c_str(), (path + kFormer).c_str());  // fails where there is none
   if (::rename((path + kNew).c_str(), path.c_str()) != 0) throw_errno("cannot make " + path);
 }
+
+bool RecorderFile::is_in_place() const { return !memory_.is_cut_off() && ::access(path_.c_str(), F_OK) == 0; }
 
 std::string recording_of(const std::string& folder, unsigned id) {
   return folder + '/' + std::to_string(id) + kExtension;
@@ -111,8 +92,9 @@ std::size_t save_file(const std::string& recording, const std::string& to) {
     throw std::runtime_error("cannot read " + recording + ": " + process::why_not_opened(recording));
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) throw std::runtime_error(recording + " is empty");
-  const Mapping mapped(map(file.get(), size, PROT_READ, recording), {size});
-  const std::vector<std::uint8_t> saved = save({mapped.get(), size});
+  const process::MappedFile mapped(file, size, PROT_READ, recording);
+  const std::vector<std::uint8_t> saved = save({static_cast<const std::uint8_t*>(mapped.data()), size});
+  if (mapped.is_cut_off()) throw std::runtime_error(recording + " was cut off while it was read");
   write_whole(saved, to);
   return saved.size();
 }

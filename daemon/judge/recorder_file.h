@@ -1,18 +1,12 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "io/mapped_file.h"
 #include "judge/flight_recorder.h"
 
 namespace limb_ring::recorder {
-
-struct Unmap {
-  std::size_t size;
-  void operator()(std::uint8_t* memory) const;
-};
-using Mapping = std::unique_ptr<std::uint8_t, Unmap>;
 
 /// A flight recorder whose memory is a file: what it has written is there after the process was killed. (ours)
 class RecorderFile {
@@ -26,9 +20,12 @@ class RecorderFile {
 
   /// See FlightRecorder.
   void set_next(core::Journal* next) { recorder_.set_next(next); }
+  /// False where it was removed from its folder, or cut off: what is recorded is lost.
+  bool is_in_place() const;
 
  private:
-  Mapping memory_;
+  std::string path_;
+  process::MappedFile memory_;
   FlightRecorder recorder_;
 };
 

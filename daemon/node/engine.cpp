@@ -34,11 +34,18 @@ void Engine::close() {
 }
 
 bool Engine::is_in_place() const {
+  if (!recording_is_in_place()) return false;
   return std::all_of(lines_.begin(), lines_.end(), [](const NodeLine& line) { return line.input().is_in_place(); });
 }
 
 void Engine::listen_again() {
-  for (NodeLine& line : lines_) line.listen_again();
+  for (NodeLine& line : lines_)
+    if (!line.input().is_in_place()) line.listen_again();
+  if (!recording_is_in_place()) record_again_();
+}
+
+bool Engine::recording_is_in_place() const {
+  return !record_again_ || (recorder_ != nullptr && recorder_->is_in_place());
 }
 
 void Engine::record(const std::string& path, std::size_t size, recorder::Title title) {
@@ -52,10 +59,17 @@ void Engine::record(const std::string& path, std::size_t size, recorder::Title t
   recorder_ = std::make_unique<recorder::RecorderFile>(path, size, controller_, title, now, [this] {
     listener_.on_link("recorder: the state of the node has no room any more; enlarge recorder.size");
   });
+  recorder_->set_next(journal_);
+  record_again_ = [this, path, size, title] {
+    recorder_.reset();
+    ::unlink(path.c_str());  // cut off, so that it is not kept as that of the former life
+    record(path, size, title);
+  };
 }
 
 // The flight recorder is the journal, and passes on what it sees.
 void Engine::set_journal(core::Journal* journal) {
+  journal_ = journal;
   if (recorder_ != nullptr) return recorder_->set_next(journal);
   controller_.set_journal(journal);
 }

@@ -86,7 +86,11 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   event_loop::MachineClock machine_clock_;
   DriverListener& listener_;
   core::NetworkController controller_;
+  bool recording_is_in_place() const;
+
   std::unique_ptr<recorder::RecorderFile> recorder_;
+  std::function<void()> record_again_;  ///< into a new file
+  core::Journal* journal_ = nullptr;    ///< set_journal()'s
   event_loop::PacketLoop& loop_;
   event_loop::PacketTimer timer_;
   core::Time armed_for_ = core::kNever;

@@ -49,7 +49,7 @@ void FolderWatch::check_folder() {
   if (folder_.is_in_place()) return;
   try {
     folder_.make_again();
-    spdlog::warn("the runtime folder, or a file of this node in it, was removed and is made again");
+    spdlog::warn("the runtime folder, or a file of this node in it, was removed or cut off, and is made again");
     told_ = false;
   } catch (const host::NodeHeld& taken) {
     spdlog::error("the runtime folder was removed, and {}: ending", taken.what());

@@ -99,11 +99,16 @@ void Node::power_cycle() {
 }
 
 FolderWatch::Folder Node::folder_to_watch() {
-  return {folder_->path(), [this] { return folder_->is_in_place() && driver_->is_in_place() && host_.is_in_place(); },
+  return {folder_->path(),
+          [this] {
+            return folder_->is_in_place() && driver_->is_in_place() && host_.is_in_place() &&
+                   promise_observers_.is_in_place();
+          },
           [this] {
             folder_->make_again();
             driver_->listen_again();
-            host_.listen_again();
+            if (!host_.is_in_place()) host_.listen_again();
+            promise_observers_.put_back();
           },
           [this] {
             cpu_.kill();

@@ -12,10 +12,8 @@ PromiseObservers::PromiseObservers(wire::NodeId self, std::string folder, NodeDr
 
 void PromiseObservers::set(host::ClientId client, bool wanted) {
   if (!wanted) return remove(client);
-  if (!file_)
-    start();
-  else if (!file_->is_there())
-    put_back();
+  if (!file_) start();
+  put_back();
   clients_.insert(client);
   tell(client);
 }
@@ -35,7 +33,10 @@ void PromiseObservers::start() {
   driver_.set_journal(observer_.get());
 }
 
+bool PromiseObservers::is_in_place() const { return !file_ || file_->is_there(); }
+
 void PromiseObservers::put_back() {
+  if (is_in_place()) return;
   file_->make_again();
   for (const host::ClientId client : clients_) tell(client);
 }

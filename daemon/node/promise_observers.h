@@ -13,7 +13,7 @@ namespace limb_ring::runtime {
 
 /// Clients that judge the ring's promises. While there are any, what enters and leaves the node's network controller
 /// is written into a file, ID.watch in the ring's folder. Each client is told the path of the file and the position
-/// at which to begin. A file that was removed is made again for the next client, and all are told. While there are
+/// at which to begin. A file that was removed or cut off is made again, and all are told. While there are
 /// none, this costs nothing. (ours)
 class PromiseObservers {
  public:
@@ -27,9 +27,13 @@ class PromiseObservers {
   void set(host::ClientId client, bool wanted);
   void remove(host::ClientId client);
 
+  /// Its file is there, or nobody needs it.
+  bool is_in_place() const;
+  /// Makes the file again where it is not, and tells all. @throw std::system_error
+  void put_back();
+
  private:
   void start();
-  void put_back();
   void stop();
   void tell(host::ClientId client);
 

@@ -75,7 +75,8 @@ void PromiseWatch::begin(Node& node, const std::string& message) {
     throw NotDone("node " + std::to_string(node.id) + ": " + told["error"].get<std::string>());
   if (!told.is_object() || told.value("kind", "") != "promises") return;
   try {
-    if (node.reader) return node.reader->follow(told.at("path").get<std::string>());  // it was removed, and made again
+    if (node.reader)  // it was removed or cut off, and made again
+      return node.reader->follow(told.at("path").get<std::string>(), told.at("from").get<std::uint64_t>());
     node.reader = std::make_unique<promises::ObservationReader>(told.at("path").get<std::string>(),
                                                                 told.at("from").get<std::uint64_t>());
     node.problem.clear();

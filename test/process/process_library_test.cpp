@@ -1,6 +1,8 @@
 // daemon/io: programs found and started, how they ended, what the kernel says of them.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 
 #include <csignal>
@@ -10,6 +12,7 @@
 #include "io/child.h"
 #include "io/exit_status.h"
 #include "io/find_program.h"
+#include "io/mapped_file.h"
 #include "io/process_handle.h"
 #include "io/process_state.h"
 #include "io/spawn.h"
@@ -19,6 +22,40 @@ namespace limb_ring::process {
 namespace {
 
 using namespace std::chrono_literals;
+
+const std::string kMapped = (std::filesystem::temp_directory_path() / ("mapped" + std::to_string(::getpid()))).string();
+
+TEST(MappedFile, ThatIsCutOffHasZerosBehindItsEndAndTakesWhatIsWrittenThere) {
+  constexpr std::size_t kPages = 3, kPage = 4096;
+  const MappedFile file = MappedFile::make(kMapped, kPages * kPage);
+  auto* const bytes = static_cast<volatile char*>(file.data());
+  for (std::size_t i = 0; i < kPages; ++i) bytes[i * kPage] = 'x';
+  std::filesystem::resize_file(kMapped, kPage);
+  EXPECT_FALSE(file.is_cut_off()) << "nobody has looked";
+  EXPECT_EQ(bytes[kPage], 0);
+  EXPECT_TRUE(file.is_cut_off());
+  bytes[2 * kPage] = 'y';
+  EXPECT_EQ(bytes[2 * kPage], 'y');
+  EXPECT_EQ(bytes[0], 'x') << "the file has it";
+  std::filesystem::remove(kMapped);
+}
+
+TEST(MappedFile, OfAnotherSizeThanItWasSaidToHaveIsReadAsZeros) {
+  { const MappedFile made = MappedFile::make(kMapped, 10); }
+  const UniqueFd open(::open(kMapped.c_str(), O_RDONLY));
+  const MappedFile file(open, 100000, PROT_READ, kMapped);
+  EXPECT_EQ(static_cast<volatile char*>(file.data())[90000], 0);
+  EXPECT_TRUE(file.is_cut_off());
+  std::filesystem::remove(kMapped);
+}
+
+TEST(MappedFile, LeavesABusErrorThatIsNotItsOwnAsItIs) {
+  const MappedFile file = MappedFile::make(kMapped, 10);
+  const UniqueFd open(::open(kMapped.c_str(), O_RDWR));
+  auto* const other = static_cast<volatile char*>(::mmap(nullptr, 100000, PROT_READ, MAP_SHARED, open.get(), 0));
+  EXPECT_EXIT({ (void)other[90000]; }, testing::KilledBySignal(SIGBUS), "");
+  std::filesystem::remove(kMapped);
+}
 
 Spawned started(std::vector<std::string> arguments) {
   SpawnRequest request;

@@ -60,6 +60,18 @@ class Recorder(RingTest):
         self.assertIn('saved/0.record: File too large', full.stderr)
         self.assertIn('2 recordings', self.save())
 
+    def test_that_are_cut_off_or_removed_under_a_node_are_made_again(self):
+        daemons = self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})
+        recordings = [os.path.join(self.ring_folder(), '%d.record' % node) for node in (0, 1)]
+        os.truncate(recordings[0], 0)
+        os.remove(recordings[1])
+        for recording in recordings:
+            self.wait('it is made again', lambda: os.path.exists(recording) and os.path.getsize(recording) == 1048576)
+        self.send_delivered(0, 1)
+        self.assertEqual([daemon.poll() for daemon in daemons], [None] * 3)
+        self.assertIn('3 recordings', self.save())
+        self.assertIn('all identical', self.replay(self.saved))
+
     def test_keep_says_at_once_that_it_cannot_save(self):
         self.start_ring(plain_nodes(2))
         done = self.ctl('--ring', self.ring, 'record', 'keep', self.saved)

@@ -50,6 +50,19 @@ class Watching(WatchingTest):
         self.assertIn('every promise was kept', said)
         self.assertIn('200 sends', said)
 
+    def test_goes_on_where_the_file_of_a_node_is_cut_off(self):
+        daemons = self.start_ring(plain_nodes(3))
+        watch = self.watch()
+        self.wait('all watched', lambda: all(self.is_watched(node) for node in range(3)))
+        self.send_delivered(0, 2)
+        file = os.path.join(self.ring_folder(), '1.watch')
+        size = os.path.getsize(file)
+        os.truncate(file, 0)
+        self.wait('it is made again', lambda: os.path.getsize(file) == size)
+        self.send_delivered(0, 2)
+        self.assertEqual([daemon.poll() for daemon in daemons], [None] * 3)
+        self.assertIn('every promise was kept', self.end(watch))
+
     def test_finds_nothing_where_a_cpu_babbles_since_before_it_looks(self):
         self.start_ring(plain_nodes(3))
         self.assertEqual(self.ctl('fault', 'babble', 'node1').returncode, 0)

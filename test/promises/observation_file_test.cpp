@@ -58,11 +58,28 @@ TEST_F(ObservationFileTest, thatWasRemovedIsMadeAgainWithAllThatItHad) {
   file.make_again();
   EXPECT_TRUE(file.is_there());
   write(3);
-  before.follow(path);
+  before.follow(path, file.count());
   EXPECT_EQ(before.read(seen), 0u);
   ASSERT_EQ(seen.size(), 13u);
   EXPECT_EQ(seen.front().token, 0u);
   EXPECT_EQ(seen.back().token, 12u);
+}
+
+TEST_F(ObservationFileTest, thatWasCutOffIsMadeAgainAndAReaderIsToldWhatIsLost) {
+  ObservationReader before(path, file.count());
+  write(10);
+  std::filesystem::resize_file(path, 0);
+  EXPECT_FALSE(file.is_there());
+  write(3);
+  EXPECT_EQ(before.read(seen), 0u);
+  EXPECT_TRUE(seen.empty());
+  file.make_again();
+  EXPECT_TRUE(file.is_there());
+  before.follow(path, file.count());
+  write(2);
+  EXPECT_EQ(before.read(seen), 13u);
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_EQ(seen.front().token, 13u);
 }
 
 TEST_F(ObservationFileTest, thatFindsNoRoomLeavesNothing) {

@@ -2,11 +2,10 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <system_error>
+#include <stdexcept>
 
+#include "io/regular_file.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::scenario_cpu {
@@ -15,25 +14,18 @@ namespace {
 
 constexpr std::size_t kSize = 256 * sizeof(std::uint64_t);  // one for each value of a byte
 
-[[noreturn]] void refuse(const std::string& path) {
-  throw std::system_error(errno, std::generic_category(), "cannot use " + path);
+/// A file that is there has the counts of the CPU's former processes.
+process::MappedFile map_board(const std::string& path) {
+  const process::UniqueFd file = process::open_regular(path, O_RDWR | O_CREAT);
+  if (!file.valid()) throw std::runtime_error("cannot use " + path + ": " + process::why_not_opened(path));
+  process::allocate(file, kSize, path);
+  return process::MappedFile(file, kSize, PROT_READ | PROT_WRITE, path);
 }
 
 }  // namespace
 
-TakenBoard::TakenBoard(const std::string& ring, std::uint8_t node) {
-  const std::string file = make_ring_directory(ring) + "/" + std::to_string(node) + ".taken";
-  const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (fd < 0) refuse(file);
-  void* memory =
-      ::ftruncate(fd, kSize) == 0 ? ::mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
-  const int error = errno;
-  ::close(fd);
-  errno = error;
-  if (memory == MAP_FAILED) refuse(file);
-  counts_ = static_cast<Count*>(memory);
-}
-
-TakenBoard::~TakenBoard() { ::munmap(counts_, kSize); }
+TakenBoard::TakenBoard(const std::string& ring, std::uint8_t node)
+    : file_(map_board(make_ring_directory(ring) + "/" + std::to_string(node) + ".taken")),
+      counts_(static_cast<Count*>(file_.data())) {}
 
 }  // namespace limb_ring::scenario_cpu
