@@ -11,6 +11,7 @@ local ring = Proto("limbring", "Ring network of articulated robots")
 local PSEUDO_SIZE, HEADER, TRAILER, CRC = 12, 4, 4, 4
 local OVERHEAD = HEADER + TRAILER + CRC
 local BROADCAST, UNTAKEN = 255, 255
+local START = 0xFB
 local CONTROL, JOINT = 1, 2
 
 local kinds = {[0] = "DATP", [1] = "INTP"}
@@ -103,10 +104,8 @@ local e = {
                              expert.group.SEQUENCE, expert.severity.CHAT),
   refused = ProtoExpert.new("limbring.expert.refused", "Refused: FBC is 0", expert.group.RESPONSE_CODE,
                             expert.severity.NOTE),
-  version = ProtoExpert.new("limbring.expert.version", "Pseudo-header of another version", expert.group.UNDECODED,
-                            expert.severity.WARN),
 }
-ring.experts = {e.crc, e.retry, e.cut, e.embedded, e.refused, e.version}
+ring.experts = {e.crc, e.retry, e.cut, e.embedded, e.refused}
 
 local interface_name = Field.new("frame.interface_name")
 local frame_comment = Field.new("frame.comment")
@@ -147,8 +146,7 @@ end
 
 local function dissect_pseudo_header(buffer, tree)
   local pseudo = tree:add(ring, buffer(0, PSEUDO_SIZE), "Seen on a line")
-  local version = pseudo:add(f["capture.version"], buffer(0, 1))
-  if buffer(0, 1):uint() ~= 1 then version:add_proto_expert_info(e.version) end
+  pseudo:add(f["capture.version"], buffer(0, 1))
   for _, name in ipairs({"crc_bad", "aborted", "truncated", "embedded", "retry", "own", "input", "event"}) do
     pseudo:add(f["capture." .. name], buffer(1, 1))
   end
@@ -293,8 +291,17 @@ local function dissect_packet(packet, flags, pinfo, tree)
   if bit.band(flags, 0x08) ~= 0 then pinfo.cols.info:append(" [inside a DATP]") end
 end
 
+-- USER0 is everybody's: what does not look like ours is left to others.
+local function is_ours(buffer)
+  if buffer:len() < PSEUDO_SIZE or buffer(0, 1):uint() ~= 1 then return false end
+  local flags = buffer(1, 1):uint()
+  if bit.band(flags, 0x80) ~= 0 then return true end
+  if buffer:len() < PSEUDO_SIZE + HEADER then return false end
+  return bit.band(flags, 0x01) ~= 0 or buffer(PSEUDO_SIZE + 1, 1):uint() == START
+end
+
 function ring.dissector(buffer, pinfo, root)
-  if buffer:len() < PSEUDO_SIZE then return 0 end
+  if not is_ours(buffer) then return 0 end
   pinfo.cols.protocol = "LimbRing"
   local from, to = buffer(2, 1):uint(), buffer(3, 1):uint()
   learn_names(from, to)

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <iostream>
 
 namespace limb_ring::capture {
 
@@ -19,6 +20,8 @@ std::ifstream opened(const std::string& path) {
 
 }  // namespace
 
-CaptureFile::CaptureFile(const std::string& path) : file_(opened(path)), reader_(file_, path) {}
+CaptureFile::CaptureFile(const std::string& path)
+    : file_(path == "-" ? std::ifstream() : opened(path)),
+      reader_(path == "-" ? std::cin : file_, path == "-" ? "standard input" : path) {}
 
 }  // namespace limb_ring::capture

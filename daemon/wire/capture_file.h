@@ -10,7 +10,7 @@ namespace limb_ring::capture {
 /// A capture file that stays open while it is read.
 class CaptureFile {
  public:
-  /// @throw CaptureFileError where it cannot be read, or is no capture
+  /// @param path "-": standard input @throw CaptureFileError where it cannot be read, or is no capture
   explicit CaptureFile(const std::string& path);
   CaptureFile(const CaptureFile&) = delete;
   CaptureFile& operator=(const CaptureFile&) = delete;

@@ -7,10 +7,16 @@
 /// holds is in pseudo_header.h; docs/reference/captures.md describes all of it for people.
 namespace limb_ring::capture::pcapng {
 
-enum Block : std::uint32_t { kInterface = 1, kEnhancedPacket = 6, kSectionHeader = 0x0A0D0D0A };
+enum Block : std::uint32_t {
+  kInterface = 1,
+  kPacket = 2,  ///< obsolete, and of others alone
+  kSimplePacket = 3,
+  kEnhancedPacket = 6,
+  kSectionHeader = 0x0A0D0D0A
+};
 constexpr std::uint32_t kByteOrderMagic = 0x1A2B3C4D;
 constexpr std::uint16_t kLinkType = 147;          ///< LINKTYPE_USER0
-constexpr std::uint32_t kMaxBlock = 1024 * 1024;  ///< bytes; a block that says it is larger is damaged
+constexpr std::uint32_t kMaxBlock = 1024 * 1024;  ///< bytes; larger ones are never ours, and not read
 
 enum Option : std::uint16_t {
   kEnd = 0,
@@ -21,8 +27,9 @@ enum Option : std::uint16_t {
   kPacketFlags = 2,    ///< epb_flags
   kDropCount = 4       ///< epb_dropcount
 };
-constexpr std::uint8_t kNanoseconds = 9;   ///< if_tsresol: 10^-9 s
-constexpr std::uint8_t kMicroseconds = 6;  ///< where a file says nothing
+constexpr std::uint8_t kNanoseconds = 9;    ///< if_tsresol: 10^-9 s
+constexpr std::uint8_t kPowerOfTwo = 0x80;  ///< with this bit the others say 2^-n s
+constexpr std::uint8_t kMicroseconds = 6;   ///< where a file says nothing
 
 constexpr std::uint32_t kInbound = 1, kOutbound = 2, kCrcError = 1u << 24;  ///< epb_flags
 

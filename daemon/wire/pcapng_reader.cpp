@@ -1,5 +1,7 @@
 #include "wire/pcapng_reader.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <sstream>
@@ -20,6 +22,24 @@ constexpr std::uint32_t kSmallestBlock = 12;
 constexpr const char* kNoPcapng =
     "no pcapng file; 'ringctl traffic show -w FILE' and 'ring_sim run --capture FILE' write one";
 
+/// What else people have, by its first bytes, and what is to be done about it.
+struct OtherFormat {
+  std::array<std::uint8_t, 4> magic;
+  std::size_t size;  ///< bytes of it
+  const char* what;
+};
+constexpr const char* kClassicPcap = "a classic pcap file; 'editcap -F pcapng FILE NEW' makes a pcapng file of it";
+constexpr const char* kGzip = "compressed by gzip; 'gunzip FILE' unpacks it";
+constexpr OtherFormat kOtherFormats[] = {
+    {{0x1F, 0x8B}, 2, kGzip},
+    {{0xA1, 0xB2, 0xC3, 0xD4}, 4, kClassicPcap},
+    {{0xD4, 0xC3, 0xB2, 0xA1}, 4, kClassicPcap},
+    {{0xA1, 0xB2, 0x3C, 0x4D}, 4, kClassicPcap},
+    {{0x4D, 0x3C, 0xB2, 0xA1}, 4, kClassicPcap},
+    {{0x28, 0xB5, 0x2F, 0xFD}, 4, "compressed by zstd; 'unzstd FILE' unpacks it"},
+    {{0x04, 0x22, 0x4D, 0x18}, 4, "compressed by lz4; 'unlz4 FILE' unpacks it"},
+};
+
 /// ns since 1970 in 64 bits end in 2262; a year less leaves room for what is added to them.
 constexpr std::uint64_t kLatest = 291ull * 365 * 24 * 3600 * 1'000'000'000;
 
@@ -38,6 +58,20 @@ std::optional<wire::NodeId> id_in(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return wire::NodeId{id};
+}
+
+/// Of so many steps. @return ns, rounded down; kLatest and one where it is later
+std::uint64_t in_nanoseconds(std::uint64_t steps, std::uint8_t resolution) {
+  __extension__ using Wide = unsigned __int128;
+  constexpr Wide second = 1'000'000'000;
+  Wide ns = steps * second;
+  const unsigned n = resolution & ~pcapng::kPowerOfTwo;
+  if ((resolution & pcapng::kPowerOfTwo) != 0) {
+    ns >>= n;
+  } else {
+    for (unsigned digit = 0; digit < n && ns != 0; ++digit) ns /= 10;
+  }
+  return ns > kLatest ? kLatest + 1 : static_cast<std::uint64_t>(ns);
 }
 
 /// What the writer has said about the ring in the section's comment, as far as it is there.
@@ -60,8 +94,17 @@ RingNames names_in(const std::string& comment) {
 }  // namespace
 
 PcapngReader::PcapngReader(std::istream& in, std::string name) : in_(in), name_(std::move(name)) {
-  if (!read_block()) fail(kNoPcapng);
+  if (!read_block()) fail_as_no_pcapng();
   section_header();
+}
+
+void PcapngReader::fail_as_no_pcapng() const {
+  for (const OtherFormat& other : kOtherFormats) {
+    if (block_.size() >= other.size &&
+        std::equal(other.magic.begin(), other.magic.begin() + other.size, block_.begin()))
+      fail(other.what);
+  }
+  fail(kNoPcapng);
 }
 
 void PcapngReader::fail(const std::string& what) const {
@@ -92,17 +135,33 @@ bool PcapngReader::read_block() {
   offset_ += block_.size();
   block_.clear();
   if (!read_bytes(kSmallestBlock)) return false;
-  if (offset_ == 0 && u32(0) != pcapng::kSectionHeader) fail(kNoPcapng);
+  if (offset_ == 0 && u32(0) != pcapng::kSectionHeader) fail_as_no_pcapng();
   // A section says its byte order just behind its length; its type reads alike in both.
   if (u32(0) == pcapng::kSectionHeader) {
     big_endian_ = wire::load_u32(block_.data() + kBlockHead) == pcapng::kByteOrderMagic;
     if (u32(kBlockHead) != pcapng::kByteOrderMagic) fail("a section without pcapng's byte-order magic");
   }
   const std::uint32_t length = u32(4);
-  if (length < kSmallestBlock || length % 4 != 0 || length > pcapng::kMaxBlock)
-    fail("a block of " + std::to_string(length) + " bytes; 12 to " + std::to_string(pcapng::kMaxBlock) +
-         " in steps of 4 are possible");
-  return read_bytes(length - kSmallestBlock);
+  if (length < kSmallestBlock || length % 4 != 0)
+    fail("a block of " + std::to_string(length) + " bytes; 12 and more in steps of 4 are possible");
+  if (length <= pcapng::kMaxBlock) return read_bytes(length - kSmallestBlock);
+  skip_block(length);
+  return true;
+}
+
+// Its head is kept alone, with the type of a block that nobody needs.
+void PcapngReader::skip_block(std::uint32_t length) {
+  const std::uint32_t type = u32(0);
+  const auto rest = static_cast<std::streamsize>(length - kSmallestBlock);
+  in_.ignore(rest);
+  if (type == pcapng::kSectionHeader || type == pcapng::kInterface || in_.gcount() != rest)
+    fail("a block of " + std::to_string(length) + " bytes; " + std::to_string(pcapng::kMaxBlock) +
+         " at most are possible");
+  offset_ += static_cast<std::uint64_t>(rest);
+  const bool is_packet = type == pcapng::kEnhancedPacket || type == pcapng::kSimplePacket || type == pcapng::kPacket;
+  packets_ += is_packet ? 1 : 0;
+  skipped_ += is_packet ? 1 : 0;
+  std::fill_n(block_.begin(), sizeof type, std::uint8_t{0xFF});
 }
 
 template <typename Visit>
@@ -118,9 +177,14 @@ void PcapngReader::each_option(std::size_t at, Visit visit) const {
 
 void PcapngReader::section_header() {
   interfaces_.clear();
+  ours_ = false;
   each_option(kSectionOptions, [this](std::uint16_t code, std::size_t at, std::size_t size) {
-    if (code == pcapng::kComment) names_ = names_in(printable({block_.begin() + at, block_.begin() + at + size}));
+    if (code != pcapng::kComment) return;
+    RingNames names = names_in(printable({block_.begin() + at, block_.begin() + at + size}));
+    ours_ = !names.ring.empty();
+    if (ours_) names_ = std::move(names);
   });
+  any_ours_ |= ours_;
 }
 
 void PcapngReader::interface() {
@@ -129,17 +193,13 @@ void PcapngReader::interface() {
   each_option(kInterfaceOptions, [&](std::uint16_t code, std::size_t at, std::size_t size) {
     if (code == pcapng::kResolution && size == 1) read.resolution = block_[at];
   });
-  if (read.resolution > 12) fail("times in steps that are no power of ten down to a picosecond");
   interfaces_.push_back(read);
 }
 
 std::int64_t PcapngReader::time_ns(const Interface& interface) const {
-  std::uint64_t time = std::uint64_t{u32(kBlockHead + 4)} << 32 | u32(kBlockHead + 8);
-  for (unsigned digit = pcapng::kNanoseconds; digit < interface.resolution; ++digit) time /= 10;
-  std::uint64_t unit = 1;
-  for (unsigned digit = interface.resolution; digit < pcapng::kNanoseconds; ++digit) unit *= 10;
-  if (time > kLatest / unit) fail("a time after the year 2261");
-  time *= unit;
+  const std::uint64_t steps = std::uint64_t{u32(kBlockHead + 4)} << 32 | u32(kBlockHead + 8);
+  const std::uint64_t time = in_nanoseconds(steps, interface.resolution);
+  if (time > kLatest) fail("a time after the year 2261");
   return static_cast<std::int64_t>(time);
 }
 
@@ -154,13 +214,29 @@ void PcapngReader::check_crc(CapturedPacket& packet) {
   ++changed_;
 }
 
+// Our link type is everybody's: others use it for protocols of their own.
+bool PcapngReader::is_ours(wire::ByteView bytes) const {
+  if (ours_) return true;
+  CaptureInfo info;
+  if (bytes.size < kPseudoHeaderSize || !decode(bytes, info)) return false;
+  if ((bytes[1] & kEventFlag) != 0) return true;
+  return bytes.size >= kPseudoHeaderSize + wire::kHeaderSize &&
+         bytes.size - kPseudoHeaderSize <= wire::kMaxDataPacketSize &&
+         (info.crc_bad || bytes[kPseudoHeaderSize + 1] == wire::kSop);
+}
+
 std::optional<PcapngReader::Record> PcapngReader::packet() {
   if (block_.size() < kPacketHead + 4) fail("a packet that is too short");
   const std::uint32_t interface = u32(kBlockHead), size = u32(kBlockHead + 12);
+  ++packets_;
   if (interface >= interfaces_.size()) fail("a packet of interface " + std::to_string(interface) + ", which is none");
   if (kPacketHead + padded(size) + 4 > block_.size()) fail("a packet that is longer than its block");
-  if (!interfaces_[interface].ring) return std::nullopt;
   const wire::ByteView bytes{block_.data() + kPacketHead, size};
+  if (!interfaces_[interface].ring || !is_ours(bytes)) {
+    ++skipped_;
+    return std::nullopt;
+  }
+  any_ours_ = true;
   CapturedPacket packet;
   if (size < kPseudoHeaderSize || !decode(bytes, packet.info)) fail("a packet without limb_ring's pseudo-header");
   packet.time_ns = time_ns(interfaces_[interface]);
@@ -185,6 +261,9 @@ std::vector<std::string> PcapngReader::problems() const {
   if (cut_short_) all.push_back(name_ + " ends in the middle of a packet");
   if (changed_ == 1) all.push_back(name_ + ": 1 packet is not as it was captured");
   if (changed_ > 1) all.push_back(name_ + ": " + std::to_string(changed_) + " packets are not as they were captured");
+  if (skipped_ > 0)
+    all.push_back(name_ + ": skipped " + std::to_string(skipped_) + " of " + std::to_string(packets_) +
+                  " packets, which are of another protocol");
   return all;
 }
 
@@ -200,11 +279,24 @@ std::optional<PcapngReader::Record> PcapngReader::next() {
       case pcapng::kEnhancedPacket:
         if (auto record = packet()) return record;
         break;
+      case pcapng::kSimplePacket:
+      case pcapng::kPacket:
+        ++packets_;
+        ++skipped_;
+        break;
       default:
         break;  // statistics, name resolution: nothing of ours
     }
   }
+  check_end();
   return std::nullopt;
+}
+
+void PcapngReader::check_end() const {
+  if (any_ours_) return;
+  throw CaptureFileError(name_ + ": no packet of this protocol; skipped " + std::to_string(skipped_) + " of " +
+                         std::to_string(packets_) +
+                         " (limb_ring's captures have link type USER0 and its pseudo-header)");
 }
 
 }  // namespace limb_ring::capture

@@ -11,6 +11,7 @@ namespace limb_ring::capture {
 namespace {
 
 using test::Bytes;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -148,6 +149,69 @@ TEST(Pcapng, AnotherFileIsRefusedWithItsName) {
   EXPECT_THAT(problem_with(""), HasSubstr("no pcapng file"));
 }
 
+// ---- what others have written ---------------------------------------------------------------
+
+std::string u32(std::uint32_t value) {
+  std::string bytes;
+  for (int i = 0; i < 4; ++i) bytes += static_cast<char>(value >> (8 * i));
+  return bytes;
+}
+
+std::string block(std::uint32_t type, const std::string& body) {
+  const auto size = static_cast<std::uint32_t>(body.size() + 12);
+  return u32(type) + u32(size) + body + u32(size);
+}
+
+/// A section of one interface, of that link type and time resolution, and so many packets of 20 bytes.
+std::string foreign(unsigned packets, std::uint32_t link_type = 1, char resolution = 6) {
+  std::string file =
+      block(0x0A0D0D0A, u32(0x1A2B3C4D) + u32(1) + std::string(8, '\xFF')) +
+      block(1, u32(link_type) + u32(65535) + u32(9 | 1 << 16) + u32(static_cast<std::uint8_t>(resolution)));
+  while (packets-- > 0) file += block(6, u32(0) + u32(0) + u32(1) + u32(20) + u32(20) + std::string(20, 'x'));
+  return file;
+}
+
+std::vector<std::string> problems_of_file(const std::string& file, std::size_t packets) {
+  std::istringstream in(file);
+  PcapngReader reader(in, "file");
+  for (std::size_t i = 0; i < packets; ++i) EXPECT_TRUE(reader.next());
+  EXPECT_FALSE(reader.next());
+  return reader.problems();
+}
+
+TEST(Pcapng, WhatIsNotOursNeedNotBeUnderstoodAndIsCounted) {
+  const std::string large = block(6, u32(0) + std::string(2 << 20, 'x')),
+                    secrets = block(10, std::string(2 << 20, 'x'));
+  const std::string simple = block(3, u32(8) + std::string(8, 'x'));
+  for (const char resolution : {6, 30, 127, -96, -1}) {
+    const std::string file =
+        foreign(3, 1, resolution) + large + secrets + simple + file_of_one_packet() + foreign(1, 147);
+    EXPECT_THAT(problems_of_file(file, 1), Contains("file: skipped 6 of 7 packets, which are of another protocol"));
+  }
+}
+
+TEST(Pcapng, AFileWithoutAnyPacketOfOursIsAnErrorThatSaysWhatItHas) {
+  EXPECT_THAT(problem_with(foreign(4)), HasSubstr("file: no packet of this protocol; skipped 4 of 4"));
+  EXPECT_THAT(problem_with(foreign(2, 147)), HasSubstr("skipped 2 of 2")) << "of our link type";
+  EXPECT_THAT(problem_with(foreign(0)), HasSubstr("skipped 0 of 0"));
+  std::ostringstream nothing;
+  PcapngWriter(nothing, kNames);
+  EXPECT_THAT(problems_of_file(nothing.str(), 0), IsEmpty()) << "our own of a ring that was silent";
+}
+
+TEST(Pcapng, OursIsKnownAlsoInTheSectionOfAToolThatHasMergedIt) {
+  const std::string ours = file_of_one_packet();
+  const std::size_t first = static_cast<std::uint8_t>(ours[4]);  // bytes of its section header
+  EXPECT_EQ(read_all(foreign(0).substr(0, 28) + ours.substr(first)).size(), 1u);
+}
+
+TEST(Pcapng, OtherFormatsAreNamedWithWhatMakesThemReadable) {
+  const std::string rest(20, 'x');
+  EXPECT_THAT(problem_with("\x1F\x8B" + rest), HasSubstr("compressed by gzip; 'gunzip"));
+  EXPECT_THAT(problem_with("\xD4\xC3\xB2\xA1" + rest), HasSubstr("classic pcap file; 'editcap -F pcapng"));
+  EXPECT_THAT(problem_with("\x4D\x3C\xB2\xA1" + rest), HasSubstr("classic pcap"));
+}
+
 TEST(Pcapng, NamesAndEventsAreFitForATerminalAndJson) {
   std::ostringstream out;
   PcapngWriter writer(out, {"robot", {{1_id, "h\xFE\x1B[2Jp"}}});
@@ -175,7 +239,9 @@ std::string file_of_time(std::uint64_t time, char resolution) {
 
 std::int64_t time_of_one(const std::string& file) { return std::get<CapturedPacket>(read_all(file).at(0)).time_ns; }
 
-TEST(Pcapng, TimesComeInAnyPowerOfTen) {
+TEST(Pcapng, TimesComeInAnyPowerOfTenOrTwo) {
+  EXPECT_EQ(time_of_one(file_of_time(3u << 9, static_cast<char>(0x80 | 10))), 1'500'000'000);
+  EXPECT_EQ(time_of_one(file_of_time(UINT64_MAX, 127)), 0);
   EXPECT_EQ(time_of_one(file_of_time(1'763'757'352, 0)), 1'763'757'352'000'000'000);
   EXPECT_EQ(time_of_one(file_of_time(1'763'757'352'123'456, 6)), 1'763'757'352'123'456'000);
   EXPECT_EQ(time_of_one(file_of_time(1'763'757'352'123'456'789'5u, 10)), 1'763'757'352'123'456'789);
@@ -196,7 +262,7 @@ TEST(Pcapng, NoCutOrFlippedByteMakesTheReaderStumble) {
       try {
         EXPECT_LE(read_all(file).size(), 1u);
       } catch (const CaptureFileError& problem) {
-        EXPECT_THAT(problem.what(), StartsWith("file: at byte "));
+        EXPECT_THAT(problem.what(), StartsWith("file: "));
       }
     }
   }

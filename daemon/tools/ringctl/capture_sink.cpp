@@ -1,7 +1,5 @@
 #include "tools/ringctl/capture_sink.h"
 
-#include <cerrno>
-#include <cstring>
 #include <iostream>
 
 #include "tools/capture_text/packet_bytes.h"
@@ -67,9 +65,9 @@ class FileSink final : public CaptureSink {
 }  // namespace
 
 bool CaptureSink::flush_to(std::ostream& out, const std::string& path) {
-  if (problem_.empty()) problem_ = cli::finish_writing(out, path);
-  if (problem_.empty() && &out == &std::cout && !app::is_output_read()) problem_ = path + ": " + std::strerror(EPIPE);
-  return problem_.empty();
+  if (&out == &std::cout && !app::is_output_read()) wanted_ = false;
+  if (wanted_ && problem_.empty()) problem_ = cli::finish_writing(out, path);
+  return wanted_ && problem_.empty();
 }
 
 std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const app::PacketTextOptions& options) {

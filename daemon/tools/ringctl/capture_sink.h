@@ -16,14 +16,17 @@ class CaptureSink {
   /// Writes what is buffered, since somebody may be reading it now.
   /// @return false if nothing can be written any more (a closed pipe, a full disk)
   virtual bool flush() = 0;
-  /// Why a flush() was false: names the file.
+  /// Why a flush() was false: names the file. Empty where nobody reads standard output any more (`| head`): that is no
+  /// problem.
   const std::string& problem() const { return problem_; }
+  bool wanted() const { return wanted_; }
 
  protected:
   bool flush_to(std::ostream& out, const std::string& path);
 
  private:
   std::string problem_;
+  bool wanted_ = true;
 };
 
 /// Lines of text on standard output.

@@ -91,8 +91,10 @@ int show_live(const Context& context, const ShowOptions& options) {
   if (options.events || !options.write.empty()) order["kinds"] = {"state", "link", "pin", "cpu"};
   const auto sink = sink_of(options, names);
   const DumpTotals totals = LiveDump(ring, nodes_of(ring, options.nodes), order, *sink).run(options.count);
+  const bool written = sink->flush();
+  if (!sink->wanted()) return kDone;
   tell_user(summary(totals));
-  if (!sink->flush()) throw NotDone(sink->problem());
+  if (!written) throw NotDone(sink->problem());
   if (totals.all_gone) throw HostPortError("no daemon is left to look at");
   return kDone;
 }
@@ -116,7 +118,7 @@ void show_records(capture::PcapngReader& reader, const ShowOptions& options, cap
     const wire::ByteView bytes = app::bytes_of(packet);
     if (!selection.takes({std::chrono::nanoseconds(packet.time_ns), packet.info, bytes})) continue;
     sink.packet(packet);
-    if (++shown == options.count) break;
+    if (++shown == options.count || !sink.wanted()) break;
   }
 }
 
@@ -125,7 +127,8 @@ void tell_fifo(const std::string& file) {
   if (std::filesystem::is_fifo(file, unknown)) tell_user(file + " is a FIFO: waiting for what somebody writes into it");
 }
 
-int show_file(const ShowOptions& options) {
+int show_file(const Context& context, const ShowOptions& options) {
+  if (!context.ring.empty()) throw UsageError("-r reads a file, --ring names a ring: choose one of them");
   if (!options.nodes.empty()) throw UsageError("-r reads a file, which has its own nodes: leave NODE out");
   if (app::is_same_file(options.read, options.write))
     throw UsageError("-r and -w name the same file: " + options.write + " would be lost; write to another one");
@@ -143,6 +146,7 @@ int show_file(const ShowOptions& options) {
   }
   totals.nodes = selection.counts();
   const bool written = sink->flush();
+  if (!sink->wanted()) return kDone;
   tell_problems(reader);
   tell_user(summary(totals));
   if (damaged) std::rethrow_exception(damaged);
@@ -166,7 +170,7 @@ int run(const Context& context, ShowOptions options) {
   if (options.json && (options.text.ascii || options.text.decode))
     throw UsageError("--json goes without -a and -d: it has all bytes of a packet, as a program wants them");
   if (options.json && !options.write.empty()) throw UsageError("--json and -w: choose one of them");
-  return options.read.empty() ? show_live(context, options) : show_file(options);
+  return options.read.empty() ? show_live(context, options) : show_file(context, options);
 }
 
 void add_filter(CLI::App& command, FilterWords& words) {
@@ -203,7 +207,7 @@ void add_options(CLI::App& command, ShowOptions& options) {
   command.add_flag("-a,--ascii", options.text.ascii, "Data as characters too");
   command.add_flag("-l,--log", options.log, "As -w, into a file named by date and time, here");
   command.add_option("-w,--write", options.write, "Write pcapng there instead of text; - is standard output");
-  command.add_option("-r,--read", options.read, "Read a pcapng file instead of a ring");
+  command.add_option("-r,--read", options.read, "Read a pcapng file instead of a ring; - is standard input");
   add_filter(command, options.filter);
   command.add_flag("--json", options.json, "A line of JSON for each packet, for programs");
 }
@@ -316,9 +320,10 @@ capture::TripChoice choice_of(const WhyOptions& options, const SeenPackets& seen
   return choice;
 }
 
-void check(const WhyOptions& options) {
+void check(const Context& context, const WhyOptions& options) {
   if (options.live != options.file.empty())
     throw UsageError("traffic why: either FILE, a capture, or --live: choose one of them");
+  if (!options.live && !context.ring.empty()) throw UsageError("traffic why: FILE and --ring: choose one of them");
   if (options.lasts_s && !options.live) throw UsageError("--for: how long to capture, with --live");
   if (app::is_same_file(options.file, options.svg))
     throw UsageError("--svg names the capture itself: " + options.svg + " would be lost; draw into another file");
@@ -378,7 +383,7 @@ std::vector<std::size_t> chosen_trips(const capture::TracedRing& ring, const cap
 }
 
 int run(const Context& context, const WhyOptions& options) {
-  check(options);
+  check(context, options);
   // A live capture takes a while: whether the picture can be written shows before. Opening it empties an older one,
   // so where a capture file is read, which may fail, it is opened after that.
   std::ofstream picture;
@@ -401,7 +406,7 @@ int run(const Context& context, const WhyOptions& options) {
 }
 
 void add_options(CLI::App& command, WhyOptions& options) {
-  command.add_option("FILE", options.file, "A capture, pcapng, of inputs and outputs");
+  command.add_option("FILE", options.file, "A capture, pcapng, of inputs and outputs; - is standard input");
   command.add_flag("--live", options.live, "Look at all lines of the running ring instead");
   command.add_option("--for", options.lasts_s, "With --live: how long; default 5s")
       ->transform(cli::seconds(0.001, 1e6));
