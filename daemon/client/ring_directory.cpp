@@ -55,6 +55,14 @@ void make_private(const std::string& folder, const std::string& right = "") {
   if (!problem.empty()) throw std::runtime_error(folder + ' ' + problem);
 }
 
+/// Root may write into another user's, and a folder of root's would lock that user out of it.
+void require_own_runtime(const std::string& runtime) {
+  struct stat status {};
+  if (geteuid() != 0 || stat(runtime.c_str(), &status) != 0 || status.st_uid == 0) return;
+  throw std::runtime_error("XDG_RUNTIME_DIR names " + runtime + ", which belongs to user " +
+                           std::to_string(status.st_uid) + ", not to this one (0); unset it, as 'sudo -i' does");
+}
+
 bool daemon_answers(const fs::directory_entry& entry) {
   if (entry.path().extension() != ".host" || entry.is_symlink()) return false;
   const std::string path = entry.path().string();
@@ -104,6 +112,7 @@ std::string make_ring_directory(const std::string& ring) {
   const std::string folder = ring_directory(ring);
   // In a container, or behind `su` or `sudo -E`, it may name a folder that is not there, or another user's.
   const bool told = told_runtime() != nullptr;
+  if (told) require_own_runtime(told_runtime());
   make_private(rings_directory(),
                told ? " (XDG_RUNTIME_DIR has to name a folder of this user's, or not to be set)" : "");
   make_private(folder);

@@ -153,10 +153,10 @@ void Output::on_refused(std::size_t candidate, const LinkHeader& refuse) {
     lose(alive ? Successor::Loss::replaced : Successor::Loss::ended, reason);
   } else {
     abandon(candidate);
-    if (alive) {
-      successor_.busy(candidate, now);
-    } else {
+    if (!alive) {
       successor_.absent(candidate, now);
+    } else if (!successor_.says_busy(candidate, now)) {
+      tell(candidate, "it says for 10 s that a nearer node is before it, and none is: passed over");
     }
     if (for_good(refusal)) note(candidate, reason);
   }

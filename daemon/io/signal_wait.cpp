@@ -6,7 +6,8 @@ namespace limb_ring::process {
 
 SignalWait::SignalWait() {
   ::sigemptyset(&ours_);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGCHLD}) ::sigaddset(&ours_, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGQUIT, SIGCHLD}) ::sigaddset(&ours_, signal);
+  if (!ignores_hangup()) ::sigaddset(&ours_, SIGHUP);  // held back it would come even if it is ignored
   ::sigprocmask(SIG_SETMASK, nullptr, &before_);
   hold();
   ::signal(SIGCHLD, SIG_DFL);  // where our parent ignores it, nobody would be told of a child's end, nor how it ended

@@ -2,11 +2,42 @@
 
 #include <chrono>
 #include <csignal>
+#include <utility>
 
 namespace limb_ring::process {
 
+/// Finds out that this process stood still: stopped by Ctrl-Z, or with its whole machine. What it does at fixed times
+/// goes on that much later then, rather than all at once. For a loop that comes round every SignalWait::kTick.
+class Standstill {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  static constexpr std::chrono::seconds kLeast{1};  ///< a busy machine keeps a process waiting for less
+
+  explicit Standstill(Time now) : last_(now) {}
+  /// To be called in each round. @return how long it stood still since the round before; 0: it did not
+  std::chrono::nanoseconds look(Time now) {
+    const auto passed = now - std::exchange(last_, now);
+    if (passed < kLeast) return {};
+    total_ += passed;
+    return passed;
+  }
+  /// All of it until now.
+  std::chrono::nanoseconds total() const { return total_; }
+
+ private:
+  Time last_;
+  std::chrono::nanoseconds total_{0};
+};
+
+/// It was started to ignore that its terminal is gone (nohup).
+inline bool ignores_hangup() {
+  struct sigaction action {};
+  return ::sigaction(SIGHUP, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 /// Holds back the signals that a parent of processes waits for (SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGCHLD) and hands
-/// them out one by one, so that nothing happens between two instructions.
+/// them out one by one, so that nothing happens between two instructions. A hangup that it was started to ignore
+/// (nohup) stays ignored.
 class SignalWait {
  public:
   static constexpr std::chrono::milliseconds kTick{50};  ///< how soon Ctrl-C is seen

@@ -16,15 +16,26 @@ std::optional<std::size_t> Successor::next(Time now) {
 }
 
 void Successor::absent(std::size_t candidate, Time now) {
+  if (candidate == 0) first_busy_since_.reset();
   set(candidate, Candidate::State::absent, now + timing_.candidate_retry(candidates_.size()), true);
 }
 
 void Successor::busy(std::size_t candidate, Time now) {
+  if (candidate == 0) first_busy_since_.reset();
   set(candidate, Candidate::State::busy, now + timing_.candidate_retry(candidates_.size()));
+}
+
+bool Successor::says_busy(std::size_t candidate, Time now) {
+  const Time since = candidate == 0 ? first_busy_since_.value_or(now) : now;
+  const bool believed = now - since < kBelieved;
+  believed ? busy(candidate, now) : absent(candidate, now);
+  if (candidate == 0) first_busy_since_ = since;
+  return believed;
 }
 
 void Successor::accepted(std::size_t candidate, Time now) {
   for (std::size_t i = candidate; i < candidates_.size(); ++i) candidates_[i] = {};
+  if (candidate == 0) first_busy_since_.reset();
   current_ = candidate;
   up_since_ = now;
   patience_.reset();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,10 @@ class Successor {
 
   void absent(std::size_t candidate, Time now);  ///< nobody there, or no node of this ring
   void busy(std::size_t candidate, Time now);    ///< alive, with a nearer upstream than us
+  /// It says so itself. Nobody is nearer to the configured successor than we are: if it says so for kBelieved it is
+  /// passed over like one that is not there. @return false: it is not believed any more
+  bool says_busy(std::size_t candidate, Time now);
+  static constexpr std::chrono::seconds kBelieved{10};  ///< longer than a node takes to start
   /// Is in use from here on. @pre it is nearer than the one that was
   void accepted(std::size_t candidate, Time now);
   enum class Loss { ended, silent, replaced };
@@ -46,6 +51,7 @@ class Successor {
   std::optional<std::size_t> current_;
   std::optional<Time> patience_;  ///< at start: the configured successor only, until then
   Time up_since_{};
+  std::optional<Time> first_busy_since_;  ///< says the configured successor, and nothing else since
 };
 
 }  // namespace limb_ring::link

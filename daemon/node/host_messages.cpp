@@ -68,9 +68,14 @@ std::optional<std::string> HostServer::objection(const client::Greeting& greetin
   return handler_.on_attach(info);
 }
 
+std::size_t HostServer::attached() const {
+  return static_cast<std::size_t>(
+      std::count_if(sessions_.begin(), sessions_.end(), [](const auto& one) { return one.second->attached(); }));
+}
+
 void HostServer::on(Session& session, const client::Greeting& greeting) {
   const bool has_kept_place = greeting.asks_only || greeting.role == Role::cpu;
-  if (!has_kept_place && sessions_.size() > options_.max_clients) {
+  if (!has_kept_place && attached() >= options_.max_clients) {
     ++counters_.refused_full;
     return disconnect(session.info().id, full());
   }

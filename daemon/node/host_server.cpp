@@ -74,12 +74,23 @@ void HostServer::admit(process::UniqueFd socket) {
     return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +
                         std::to_string(peer.uid));
   }
-  if (sessions_.size() >= options_.max_clients + kKeptPlaces) {
+  if (sessions_.size() >= options_.max_clients + kKeptPlaces && !make_room()) {
     ++counters_.refused_full;
     return session->end(full());
   }
   sessions_.emplace(info.id, session);
   session->start();
+}
+
+/// Of those that have said nothing the oldest goes. @return false where all have said who they are
+bool HostServer::make_room() {
+  for (const auto& [id, session] : sessions_) {
+    if (session->attached() || session == booting_cpu_) continue;
+    count(End::never_greeted);
+    disconnect(id, "no greeting came, and others want the place");
+    return true;
+  }
+  return false;
 }
 
 /// @return null where the kernel watches no more descriptors for us; the client finds its connection closed

@@ -99,6 +99,8 @@ class HostServer final : private SessionOwner {
   void accept();
   void accept_again_later(const boost::system::error_code& why);
   void admit(process::UniqueFd socket);
+  bool make_room();
+  std::size_t attached() const;
   std::string full() const;
   SessionPtr make_session(process::UniqueFd socket, const ClientInfo& info);
   void on_message(Session& session, const client::ToDaemon& message) override;

@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "config/fault_name.h"
+#include "io/signal_wait.h"
 #include "sim/trace.h"
 
 namespace limb_ring::program_stage {
@@ -38,7 +39,8 @@ ProgramStage::ProgramStage(const scenario::Scenario& scenario, std::unique_ptr<H
       host_(std::move(host)),
       invariants_(ring()),
       cpus_(ring().size()),
-      signals_(host_->io, SIGINT, SIGTERM, SIGHUP) {
+      signals_(host_->io, SIGINT, SIGTERM) {
+  if (!process::ignores_hangup()) signals_.add(SIGHUP);
   ring().add_observer(*this);
   host_->host.line_faults().tap_all();
   host_->host.on_cpu_changed = [this](std::uint8_t id, const auto& status) { cpu_changed(NodeId{id}, status); };

@@ -22,7 +22,7 @@ struct Interrupted : std::runtime_error {
 
 /// A virtual ring with real programs as the CPUs of its nodes, as a stage for scenarios: in lockstep with the programs,
 /// seen and judged at every event. What a scenario has a CPU send enters at its node as the program's own sends do, and
-/// ends with the program. SIGINT, SIGTERM and SIGHUP end it. (ours)
+/// ends with the program. SIGINT, SIGTERM and (without nohup) SIGHUP end it. (ours)
 ///
 /// begin(), run_until() and apply() may throw Interrupted. All programs have ended when this is destroyed.
 class ProgramStage final : public scenario::RingStage, private sim::Observer {

@@ -31,6 +31,18 @@ class UnknownPeer : public HostTest {
   void expect_still_serving() { EXPECT_EQ(tool().id(), 3); }
 };
 
+TEST_F(UnknownPeer, SayingNothingKeepsNobodyOutHoweverManyThereAre) {
+  std::vector<RawClient> silent;
+  for (unsigned i = 0; i < 3 * (4 + host::HostServer::kKeptPlaces); ++i) {
+    silent.emplace_back("r", "3");
+    turn();
+  }
+  expect_still_serving();
+  EXPECT_GT(server->counters().never_greeted, 0u);
+  EXPECT_EQ(server->counters().refused_full, 0u);
+  EXPECT_THAT(shown_out(silent.front()), HasSubstr("others want the place"));
+}
+
 TEST_F(UnknownPeer, TalkingAnotherProtocolIsDisconnected) {
   RawClient client("r", "3");
   const std::string http = "GET / HTTP/1.1\r\n\r\n";

@@ -165,7 +165,7 @@ TEST(OpenWake, OpensThePipeAnewSoThatTheOtherNodeCannotMakeUsWaitInIt) {
 TEST_F(MemoryInputFromHand, IsWokenHoweverOftenItWasWokenBefore) {
   connect();
   while (::write(pipe.writing.get(), "", 1) == 1) continue;
-  rig.run_for(milliseconds(0));
+  ASSERT_TRUE(rig.until([&] { return ::write(pipe.writing.get(), "", 1) == 1; })) << "nobody empties it";
   wire::SliceWriter slices;
   put_whole(slices, 20, 6);
   put(slices);

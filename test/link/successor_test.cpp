@@ -130,5 +130,22 @@ TEST_F(SuccessorOfFour, DoesNotRunInCirclesWithOneThatTakesAndDropsUs) {
   EXPECT_THAT(tried(), ElementsAre(1));
 }
 
+TEST_F(SuccessorOfFour, TheConfiguredOneThatIsBusyForEverIsPassedOverUntilItAccepts) {
+  const Time begun = now;
+  while (now - begun < Successor::kBelieved) {
+    ASSERT_THAT(tried(), ElementsAre(0)) << "nobody beyond one that is alive";
+    ASSERT_TRUE(successor.says_busy(0, now));
+    pass(milliseconds(20));
+  }
+  ASSERT_EQ(successor.next(now), 0u);
+  EXPECT_FALSE(successor.says_busy(0, now));
+  EXPECT_EQ(successor.next(now), 1u);
+  successor.accepted(1, now);
+  pass(milliseconds(100));
+  ASSERT_EQ(successor.next(now), 0u) << "it is asked again all the same";
+  successor.accepted(0, now);
+  EXPECT_EQ(successor.current(), 0u);
+}
+
 }  // namespace
 }  // namespace limb_ring::link

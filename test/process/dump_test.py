@@ -251,7 +251,7 @@ class Top(Looking):
             top.log = os.devnull
             seen = self.read_until(terminal, lambda text: text.count('2 of 2 nodes up') >= 2)
             self.assertNotEqual(termios.tcgetattr(inside), before)
-            self.assertEqual(termios.tcgetattr(inside)[6][termios.VSUSP], b'\0', 'Ctrl-Z does nothing')
+            self.assertEqual(termios.tcgetattr(inside)[6][termios.VSUSP], b'\0', 'Ctrl-Z is a key')
             os.write(terminal, b'q') if ending == 'q' else top.send_signal(signal.SIGINT)
             seen += self.read_until(terminal, lambda text: '\033[?1049l' in text)
             self.assertEqual(self.wait_exit(top), 0)

@@ -1,5 +1,7 @@
 #include "tools/ringctl/choose_ring.h"
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <stdexcept>
 #include <vector>
@@ -13,6 +15,13 @@
 namespace limb_ring::ringctl {
 
 namespace {
+
+/// Who has come by sudo most likely means a ring of his own.
+std::string whose_else() {
+  const char* user = std::getenv("SUDO_USER");
+  if (::geteuid() != 0 || user == nullptr || *user == '\0') return "";
+  return std::string("; these are root's rings, those of ") + user + " are seen without sudo";
+}
 
 std::string valid(const std::string& ring) {
   try {
@@ -41,7 +50,7 @@ std::string choose_ring(const std::string& given) {
     if (killed.size() == 1) return killed.front();
     const std::string unreadable = why_unreadable(rings_directory());
     if (!unreadable.empty()) throw NoRing(rings_directory() + unreadable);
-    throw NoRing("no ring is running (looked in " + rings_directory() + ")");
+    throw NoRing("no ring is running (looked in " + rings_directory() + ")" + whose_else());
   }
   if (rings.size() == 1) return rings.front();
   throw UsageError("several rings are running: " + config::join(rings) + "; choose one with --ring");

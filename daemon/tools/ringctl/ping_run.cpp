@@ -7,6 +7,7 @@
 #include "tools/ringctl/connect_node.h"
 #include "tools/ringctl/progress.h"
 #include "tools/ringctl/result_wait.h"
+#include "tools/ringctl/tell_user.h"
 
 namespace limb_ring::ringctl {
 
@@ -67,7 +68,7 @@ void PingRun::wait_for_result(std::uint32_t token) {
       }
       if (const auto* end = std::get_if<Disconnected>(&*message)) throw gone(port_, end->reason);
     }
-    asked_to_end_ = process::SignalWait::asks_to_end(signals_.next(milliseconds(0)));
+    asked_to_end_ = asked_to_end(milliseconds(0));
     wait.check();
     if (order_.deadline && steady_clock::now() - begun_ >= *order_.deadline + kLastResult)
       throw gone(port_, "no result of the last packet within " + std::to_string(kLastResult.count()) + " s");
@@ -75,14 +76,19 @@ void PingRun::wait_for_result(std::uint32_t token) {
 }
 
 void PingRun::wait_for_turn(std::uint64_t number) {
-  const auto turn = begun_ + order_.interval * static_cast<std::int64_t>(number);
   while (!over()) {
+    const auto turn = begun_ + standstill_.total() + order_.interval * static_cast<std::int64_t>(number);
     const auto left = std::chrono::ceil<milliseconds>(turn - steady_clock::now());
-    asked_to_end_ =
-        process::SignalWait::asks_to_end(signals_.next(std::clamp(left, milliseconds(0), process::SignalWait::kTick)));
+    asked_to_end_ = asked_to_end(std::clamp(left, milliseconds(0), process::SignalWait::kTick));
     look_for_the_end();
     if (left <= milliseconds(0)) return;
   }
+}
+
+bool PingRun::asked_to_end(milliseconds patience) {
+  const bool asked = process::SignalWait::asks_to_end(signals_.next(patience));
+  tell_standstill(standstill_.look(steady_clock::now()));
+  return asked;
 }
 
 }  // namespace limb_ring::ringctl

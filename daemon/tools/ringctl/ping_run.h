@@ -38,13 +38,15 @@ class PingRun {
   void look_for_the_end();
   void wait_for_result(std::uint32_t token);
   void wait_for_turn(std::uint64_t number);
+  bool asked_to_end(std::chrono::milliseconds patience);
 
   HostPort& port_;
   const PingOrder& order_;
   Each each_;
   process::SignalWait signals_;
   bool asked_to_end_ = false;
-  std::chrono::steady_clock::time_point begun_{};
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  process::Standstill standstill_{begun_};
   PingTotals totals_;
 };
 

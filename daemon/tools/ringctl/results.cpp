@@ -13,6 +13,7 @@
 #include "tools/ringctl/refusal_counters.h"
 #include "tools/ringctl/result_wait.h"
 #include "tools/ringctl/ring_access.h"
+#include "tools/ringctl/tell_user.h"
 
 namespace limb_ring::ringctl {
 
@@ -52,12 +53,14 @@ namespace {
 void send_into(Sends& sends, HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
                std::chrono::nanoseconds interval) {
   const auto begun = steady_clock::now();
+  process::Standstill standstill(begun);
   ResultWait wait(port);
   process::SignalWait signals;
   Progress progress(port.ring());
   std::vector<Result>& results = sends.results;
   while (results.size() < count) {
-    const auto turn = [&] { return begun + interval * static_cast<std::int64_t>(sends.sent); };
+    tell_standstill(standstill.look(steady_clock::now()));
+    const auto turn = [&] { return begun + standstill.total() + interval * static_cast<std::int64_t>(sends.sent); };
     const auto& sent = sends.sent;
     for (; sent < count && sent - results.size() < kOutstanding && turn() <= steady_clock::now(); ++sends.sent) send();
     const bool waits_for_turn = sent < count && turn() > steady_clock::now();

@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <iostream>
 #include <sstream>
 
@@ -24,15 +25,25 @@ constexpr const char* kRestOfPage = "\033[J";
 Screen::Screen() {
   if (::isatty(STDIN_FILENO) != 1 || ::isatty(STDOUT_FILENO) != 1)
     throw UsageError("standard input or output is no terminal; --once prints once");
+  open();
+}
+
+void Screen::open() {
   ::tcgetattr(STDIN_FILENO, &before_);
   termios keys = before_;
   keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // Ctrl-Z would leave this page, without a cursor, to the shell
+  keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // it is a key here: the shell is not to have this page, without a cursor
   ::tcsetattr(STDIN_FILENO, TCSANOW, &keys);
   std::cout << kOpen << std::flush;
 }
 
-Screen::~Screen() {
+void Screen::stop_and_go_on() {
+  close();
+  ::raise(SIGTSTP);
+  open();
+}
+
+void Screen::close() const {
   std::cout << kClose << std::flush;
   ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
 }

@@ -12,7 +12,7 @@ class Screen {
  public:
   /// @throw UsageError where standard input or output is no terminal
   Screen();
-  ~Screen();
+  ~Screen() { close(); }
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
@@ -24,8 +24,14 @@ class Screen {
   void draw(const std::string& text) const;
   /// A key that was pressed; 0: none.
   char key() const;
+  static constexpr char kCtrlZ = 0x1A;
+  /// What Ctrl-Z asks for: the terminal as it was, until the shell lets us go on.
+  void stop_and_go_on();
 
  private:
+  void open();
+  void close() const;
+
   termios before_{};
 };
 

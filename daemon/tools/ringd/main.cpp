@@ -20,6 +20,7 @@
 #include "node/realtime.h"
 #include "node/virtual_ring_host.h"
 #include "sim/planned_ring.h"
+#include "io/signal_wait.h"
 #include "sim/trace.h"
 #include "tools/cli/output.h"
 #include "tools/common/out_file.h"
@@ -37,16 +38,10 @@ void set_up_log(const std::string& whose) {
   spdlog::flush_on(spdlog::level::info);
 }
 
-/// As nohup has it: the daemon is to outlive its terminal.
-bool is_ignored(int signal) {
-  struct sigaction action {};
-  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
-}
-
 /// Ends `node`, or whatever has its stop(), when a signal asks for it.
 template <class Node>
 void end_on_signals(boost::asio::signal_set& signals, boost::asio::io_context& io, Node& node) {
-  if (!is_ignored(SIGHUP)) signals.add(SIGHUP);
+  if (!process::ignores_hangup()) signals.add(SIGHUP);
   signals.async_wait([&](const boost::system::error_code& error, int number) {
     if (error) return;
     spdlog::info("signal {} ({}): ending", number, ::strsignal(number));

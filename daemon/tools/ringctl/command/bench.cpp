@@ -74,7 +74,12 @@ void add_bench(CLI::App& app, Context& context) {
       ->check(cli::one_of({std::begin(bench::kCases), std::end(bench::kCases)}));
   command->add_flag("--no-ros", options->no_ros, "Leave the chain of topic_tools/relay out");
   add_json(*command, options->json);
-  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
+  command->callback([&context, options] {
+    context.action = [&context, options] {
+      require_no_ring(context, "the benchmark has rings of its own");
+      return run(*options);
+    };
+  });
 }
 
 }  // namespace limb_ring::ringctl

@@ -55,7 +55,7 @@ void print(const std::string& ring, const json& state, bool as_json) {
 
 /// Any node of the ring, which has one clock.
 HostPort clock_of(const Context& context, const ClockOptions& options) {
-  const RingAccess ring = RingAccess::open(choose_ring(options.ring.empty() ? context.ring : options.ring));
+  const RingAccess ring = RingAccess::open(choose_ring(options.ring, context.ring));
   return ring.connect(ring.source(""));
 }
 

@@ -31,6 +31,10 @@ CLI::App& add_group(CLI::App& app, const char* name, const char* description) {
 
 void add_json(CLI::App& command, bool& asked) { command.add_flag("--json", asked, "Print JSON, for programs"); }
 
+void require_no_ring(const Context& context, const std::string& why) {
+  if (!context.ring.empty()) throw UsageError("--ring: " + why + "; leave it out");
+}
+
 namespace {
 
 void add_commands(CLI::App& app, Context& context) {

@@ -24,6 +24,8 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description);
 CLI::App& add_group(CLI::App& app, const char* name, const char* description);
 /// Adds the switch --json.
 void add_json(CLI::App& command, bool& json);
+/// For a command that concerns no ring, or all. @throw UsageError "--ring: WHY; leave it out" where one was named
+void require_no_ring(const Context& context, const std::string& why);
 
 // One subcommand each, in a file of its name.
 void add_up(CLI::App& app, Context& context);

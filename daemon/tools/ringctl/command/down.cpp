@@ -132,7 +132,8 @@ void add_down(CLI::App& app, Context& context) {
   command->add_flag("--all", *all, "All rings of this user")->excludes(name);
   command->callback([&context, ring, all] {
     context.action = [&context, ring, all] {
-      return *all ? run_all() : run(choose_ring(ring->empty() ? context.ring : *ring));
+      if (*all && !context.ring.empty()) throw UsageError("--all and --ring: choose one of them");
+      return *all ? run_all() : run(choose_ring(*ring, context.ring));
     };
   });
 }

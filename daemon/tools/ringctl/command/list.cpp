@@ -80,7 +80,12 @@ void add_list(CLI::App& app, Context& context) {
                   "this is; on which clock, and "
                   "of a virtual one where it is, how fast, and how far behind");
   add_json(*command, *as_json);
-  command->callback([&context, as_json] { context.action = [as_json] { return run(*as_json); }; });
+  command->callback([&context, as_json] {
+    context.action = [&context, as_json] {
+      require_no_ring(context, "all rings are listed");
+      return run(*as_json);
+    };
+  });
 }
 
 }  // namespace limb_ring::ringctl

@@ -141,13 +141,16 @@ class StatusPoll {
 };
 
 /// @return false where somebody has asked it to end
-bool wait(const StatusOptions& options, const Screen* screen, process::SignalWait& signals) {
+bool wait(const StatusOptions& options, Screen* screen, process::SignalWait& signals) {
   const auto until = steady_clock::now() + duration<double>(options.interval_s);
   while (steady_clock::now() < until) {
     if (process::SignalWait::asks_to_end(signals.next(process::SignalWait::kTick))) return false;
     if (screen == nullptr) continue;
     const char key = screen->key();
     if (key == 'q' || key == 'Q') return false;
+    if (key != Screen::kCtrlZ) continue;
+    screen->stop_and_go_on();
+    return true;
   }
   return true;
 }
@@ -188,7 +191,7 @@ int rates_once(const RingAccess& ring, const StatusOptions& options) {
 
 int redraw(const RingAccess& ring, const StatusOptions& options) {
   process::SignalWait signals;
-  const Screen screen;
+  Screen screen;
   StatusPoll poll(ring);
   StatusSample now = poll.sample(), before = now;  // no time between them: the first picture has no rates
   for (;;) {

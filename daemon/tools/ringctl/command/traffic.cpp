@@ -459,6 +459,7 @@ class Replay {
   /// @return false where somebody has asked it to end. @throw HostPortError where a daemon dies, as the next one
   bool run(double speed, process::SignalWait& signals) {
     const auto begin = steady_clock::now();
+    standstill_ = process::Standstill(begin);
     for (const ReplaySend& send : plan_.sends) {
       const auto after_ns = static_cast<double>(std::max<std::int64_t>(0, send.after_ns));  // its line was read earlier
       const std::chrono::nanoseconds after(static_cast<std::int64_t>(after_ns / speed));
@@ -487,7 +488,8 @@ class Replay {
   bool wait_until(steady_clock::time_point due, process::SignalWait& signals) {
     for (;;) {
       if (asked_to_end(signals)) return false;
-      const auto left = std::chrono::ceil<milliseconds>(due - steady_clock::now());
+      tell_standstill(standstill_.look(steady_clock::now()));
+      const auto left = std::chrono::ceil<milliseconds>(due + standstill_.total() - steady_clock::now());
       take_results(std::clamp(left, milliseconds(0), kReplayTick));
       if (left <= milliseconds(0)) return true;
     }
@@ -521,6 +523,7 @@ class Replay {
 
   const ReplayPlan& plan_;
   Progress progress_;
+  process::Standstill standstill_{steady_clock::now()};
   std::map<wire::NodeId, HostPort> ports_;
   std::vector<pollfd> waiting_;
   std::map<Outcome, std::uint64_t> outcomes_;

@@ -1,5 +1,6 @@
 #include "tools/ringctl/live/live_senders.h"
 #include "core/time.h"
+#include "io/signal_wait.h"
 
 #include <algorithm>
 
@@ -44,6 +45,7 @@ LiveSenders::Clock::time_point LiveSenders::act() {
   const auto now = Clock::now();
   auto next = Clock::time_point::max();
   for (Job& job : jobs_) {
+    if (now - job.due > process::Standstill::kLeast) job.due = now;  // this process or its machine stood still
     while (job.left != 0 && job.due <= now && job.waiting < kMostWaiting) {
       ask(job);
       job.due += job.send.every;
