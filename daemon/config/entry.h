@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/config_error.h"
+#include "config/ring_config.h"
 #include "config/urdf_joints.h"
 
 namespace limb_ring::config {
@@ -19,6 +20,7 @@ struct Document {
   std::map<std::string, std::uint8_t> nodes;  ///< every node's id, by name and by id in digits
   UrdfJoints urdf;                            ///< what it names as `urdf`
   std::map<std::string, std::size_t> hosts;   ///< every host's place in the file, by name
+  std::vector<ReadFile> files;                ///< that were read beside it
   /// Not all nodes, or hosts, could be read: who refers to one that is not there is not to blame.
   bool nodes_unsure = false, hosts_unsure = false;
   bool urdf_unsure = false;  ///< it could not be read

@@ -1,6 +1,7 @@
 #include "config/load_ring.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "config/check_ring.h"
 #include "config/sections.h"
@@ -55,6 +56,8 @@ RingConfig parse_ring(const std::string& text, const std::string& name) {
   check_ring(file, ring);
   take_followers(document.urdf, ring);
   ring.warnings = urdf_warnings(document);
+  ring.files = std::move(document.files);
+  ring.files.push_back({name, text});
   return ring;
 }
 

@@ -166,7 +166,7 @@ struct Firmware {
   double damping = 0.9;       ///< its damping ratio
 };
 
-/// Bytes of the largest message: 65,535 fragments of 492 (payload/fragment.h).
+/// Bytes of the largest message: 65,535 fragments of 492 (client/fragment.h).
 constexpr std::uint32_t kLargestMessage = 0xFFFF * 492;
 
 /// A ROS topic carried over the ring from one bridge to another.
@@ -230,11 +230,17 @@ struct Realtime {
 /// Nodes of a ring: one alone has nobody to send to, and of the 256 ids the last one means all nodes.
 constexpr unsigned kFewestNodes = 2, kMostNodes = 255;
 
+/// A file and what was read from it.
+struct ReadFile {
+  std::string path, text;
+};
+
 /// One ring, as its YAML file says. Read by every program; config/OPTIONS.md lists every entry
 /// with default, range and unit.
 struct RingConfig {
   std::string ring;
   std::string path;               ///< file it was read from; empty where made by plain_ring()
+  std::vector<ReadFile> files;    ///< that it was read from: its own, and a URDF
   std::vector<HostConfig> hosts;  ///< in the file's order; empty: all nodes are on one machine, or nobody has said
   std::vector<NodeConfig> nodes;  ///< in ring order, which is the file's order
   /// foldback: a second, counter-rotating line closes the ring again around a break. (ours)

@@ -98,7 +98,9 @@ void read_urdf(const Entry& entry) {
   entry.document().urdf_unsure = true;
   const std::string path = urdf_path(entry);
   try {
-    entry.document().urdf = parse_urdf(read_file(path), path);
+    const std::string text = read_file(path);
+    entry.document().urdf = parse_urdf(text, path);
+    entry.document().files.push_back({path, text});
     entry.document().urdf_unsure = false;
   } catch (const ConfigError& error) {
     entry.refuse(error.what(), kAllowedUrdf);

@@ -7,7 +7,9 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
+#include "config/as_read.h"
 #include "config/config_error.h"
 #include "config/yaml_limits.h"
 
@@ -70,6 +72,7 @@ std::string looked_in(const std::string& path) {
 
 // Only a regular file: reading a pipe or a device might never end.
 std::string read_file(const std::string& path) {
+  if (auto text = as_read(path)) return std::move(*text);
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found)

@@ -6,7 +6,8 @@
 
 namespace limb_ring::config {
 
-/// The text of a configuration. @throw ConfigError where it is no regular file, not readable, or above 1 MiB
+/// The text of a configuration, as_read() where that is kept. @throw ConfigError where it is no regular file, not
+/// readable, or above 1 MiB
 std::string read_file(const std::string& path);
 
 /// @param name stands for the file in errors

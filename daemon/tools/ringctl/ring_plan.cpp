@@ -12,6 +12,7 @@
 #include "tools/ringctl/host_choice.h"
 #include "tools/ringctl/problems.h"
 #include "tools/ringctl/tell_user.h"
+#include "io/find_program.h"
 
 namespace limb_ring::ringctl {
 
@@ -46,7 +47,7 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   if (request.config.empty())
     arguments = {"--nodes", std::to_string(nodes)};
   else
-    arguments = {"--config", std::filesystem::absolute(request.config).string()};
+    arguments = {"--config", std::filesystem::absolute(request.config).string(), "--as-read", ring_directory(ring)};
   arguments.insert(arguments.end(), {"--ring", ring});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
   if (request.record) arguments.push_back("--record");
@@ -89,6 +90,14 @@ live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifet
   return request;
 }
 
+/// @throw UsageError: each start would fail in the same way
+void require_program(const config::RingConfig& config, const config::NodeConfig& node) {
+  if (node.cpu.kind != config::CpuConfig::Kind::child || node.cpu.command.empty()) return;
+  const std::string& name = node.cpu.command.front();
+  if (!process::find_program(name).empty()) return;
+  throw UsageError(config.path + ": the CPU of node " + node.name + ": " + process::no_program(name));
+}
+
 RingPlan plan_ring(const UpRequest& given) {
   if (given.config.empty() && given.nodes == 0)
     throw UsageError("give CONFIG, the ring's YAML file or its name, or --nodes N for a plain ring");
@@ -100,6 +109,7 @@ RingPlan plan_ring(const UpRequest& given) {
   plan.ring = ring_name(request, config);
   plan.is_virtual = request.clock.has_value();
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
+  plan.files = config.files;
   plan.ring_size = config.nodes.size();
   if (!plan.is_virtual && !request.config.empty()) {
     const bool records = config.recorder.enabled || request.record;
@@ -112,8 +122,11 @@ RingPlan plan_ring(const UpRequest& given) {
     plan.host.clear();
     plan.arguments.push_back("--one-host");
   }
-  for (const auto& node : config.nodes)
-    if (plan.host.empty() || config.host_of(node)->name == plan.host) plan.nodes.push_back({node.id, node.name});
+  for (const auto& node : config.nodes) {
+    if (!plan.host.empty() && config.host_of(node)->name != plan.host) continue;
+    require_program(config, node);
+    plan.nodes.push_back({node.id, node.name});
+  }
   return plan;
 }
 

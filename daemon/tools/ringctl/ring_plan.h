@@ -6,6 +6,7 @@
 
 #include "ring/launched_ring.h"
 #include "tools/ringctl/ring_access.h"
+#include "config/ring_config.h"
 
 namespace limb_ring::ringctl {
 
@@ -32,11 +33,12 @@ struct UpRequest {
 /// node, or on a virtual clock one for all.
 struct RingPlan {
   std::string ring;
-  std::vector<NodeName> nodes;         ///< those started here
-  std::size_t ring_size = 0;           ///< how many the whole ring has
-  std::string host;                    ///< whose nodes these are; empty: all of the ring
-  std::vector<std::string> arguments;  ///< of every ringd, without --node
-  bool is_virtual = false;             ///< one daemon for all nodes
+  std::vector<NodeName> nodes;          ///< those started here
+  std::size_t ring_size = 0;            ///< how many the whole ring has
+  std::string host;                     ///< whose nodes these are; empty: all of the ring
+  std::vector<std::string> arguments;   ///< of every ringd, without --node
+  std::vector<config::ReadFile> files;  ///< that it was read from; the daemons read them from the ring's folder
+  bool is_virtual = false;              ///< one daemon for all nodes
   /// Arguments of the `ringctl` that saves recordings when something goes wrong; empty: none does.
   std::vector<std::string> keeper;
   std::string saves;  ///< the folder it saves them in

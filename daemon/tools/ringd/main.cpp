@@ -4,11 +4,13 @@
 #include <boost/asio/signal_set.hpp>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <limits>
 #include <memory>
 
+#include "config/as_read.h"
 #include "config/config_error.h"
 #include "config/core_settings.h"
 #include "config/options_markdown.h"
@@ -121,6 +123,7 @@ int main(int argc, char** argv) {
       std::cout << config::options_markdown();
       return cli::code_with_output("ringd", 0);
     }
+    if (!options->as_read.empty()) ::setenv(config::kAsRead, options->as_read.c_str(), 1);
     const config::RingConfig ring = ringd::ring_of(*options);
     if (options->clock == "machine") {
       ringd::check_machine(*options);

@@ -51,6 +51,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       "Exit codes: 0 ended as asked, 1 could not run, 2 wrong usage or configuration."};
   app.name("ringd");
   app.add_option("--config", o.config, "YAML file of the ring; without it a plain ring of --nodes nodes");
+  app.add_option("--as-read", o.as_read,
+                 "Folder in which 'ringctl up' has kept the configuration as it read it: so it is read, by CPUs too");
   app.add_option("--node", o.node, "This node: its id or name");
   app.add_option("--index", o.index, "This node: its place in ring order, from 0 (instead of --node)")
       ->transform(cli::whole(0, config::kMostNodes - 1));

@@ -11,6 +11,7 @@ namespace limb_ring::ringd {
 /// What one ringd is to be, from its command line.
 struct Options {
   std::string config;             ///< YAML file; empty: a plain ring of `nodes`
+  std::string as_read;            ///< folder with the configuration as `ringctl up` has read it; empty: as it is now
   std::string node;               ///< id or name
   std::optional<unsigned> index;  ///< or its place in ring order, from 0
   std::optional<unsigned> nodes;  ///< must be the configuration's number

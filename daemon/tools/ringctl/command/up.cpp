@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "config/as_read.h"
 #include "config/quantity.h"
 #include "config/ring_config.h"
 #include "io/signal_wait.h"
@@ -18,6 +19,7 @@
 #include "tools/ringctl/ring_watch.h"
 #include "tools/ringctl/stay.h"
 #include "tools/ringctl/up_lock.h"
+#include "ring/ring_files.h"
 
 namespace limb_ring::ringctl {
 
@@ -94,6 +96,8 @@ int run(const RingPlan& plan, const UpOptions& options) {
   UpLock lock(plan.ring, plan.host);
   require_not_running(plan);
   require_place_for_saves(plan, options.request.config);
+  live::forget_logs(ring_directory(plan.ring));
+  for (const config::ReadFile& file : plan.files) config::keep_as_read(ring_directory(plan.ring), file.path, file.text);
   if (options.respawn) return respawn(plan, lock);
   process::SignalWait signals;
   const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
