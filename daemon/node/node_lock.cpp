@@ -1,5 +1,8 @@
 #include "node/node_lock.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -32,6 +35,23 @@ std::string own_description() {
          fs::current_path(unknown).string() + '\0' + own_arguments();
 }
 
+/// Nothing where it cannot be had: the folder is only less safe then.
+std::shared_ptr<process::UniqueFd> lock_against_cleaners(const std::string& directory) {
+  static std::weak_ptr<process::UniqueFd> last;
+  struct stat there {
+  }, ours{};
+  const auto is_same = [&](const process::UniqueFd& folder) {
+    return ::stat(directory.c_str(), &there) == 0 && ::fstat(folder.get(), &ours) == 0 && there.st_ino == ours.st_ino &&
+           there.st_dev == ours.st_dev;
+  };
+  if (auto folder = last.lock(); folder && is_same(*folder)) return folder;
+  auto folder =
+      std::make_shared<process::UniqueFd>(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW));
+  (void)::flock(folder->get(), LOCK_SH | LOCK_NB);
+  last = folder;
+  return folder;
+}
+
 /// A daemon that was just killed may hold it a moment longer than it is heard.
 std::optional<process::LockFile> take(const std::string& path) {
   const auto deadline = std::chrono::steady_clock::now() + kEnds;
@@ -51,7 +71,8 @@ process::LockFile taken(const std::string& path, const std::string& whose) {
 }  // namespace
 
 NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name)
-    : file_(taken(directory + "/" + std::to_string(id) + ".lock",
+    : folder_(lock_against_cleaners(directory)),
+      file_(taken(directory + "/" + std::to_string(id) + ".lock",
                   "node " + std::to_string(id) + " (" + name + ") of ring " + ring)) {
   file_.write(own_description());
 }

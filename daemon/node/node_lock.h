@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -15,7 +16,8 @@ struct NodeHeld : std::runtime_error {
 
 /// Holds a node for one daemon: the lock file DIRECTORY/ID.lock. Its text says who the holder is, and how to
 /// start it again once it is dead: its pid in a line, then, each ended by a null since paths may have line ends,
-/// program, working folder and the arguments.
+/// program, working folder and the arguments. Also has a shared BSD lock of the folder, as tmpfiles.d(5) asks for: then
+/// systemd-tmpfiles leaves what is in there, however old it is.
 class NodeLock {
  public:
   /// Waits for 200 ms where somebody holds it, who may be ending.
@@ -27,7 +29,8 @@ class NodeLock {
   bool is_in_place() const { return file_.is_in_place(); }
 
  private:
-  process::LockFile file_;  ///< stays when this daemon ends: it says how to start it again
+  std::shared_ptr<process::UniqueFd> folder_;  ///< one for all nodes of this process
+  process::LockFile file_;                     ///< stays when this daemon ends: it says how to start it again
 };
 
 }  // namespace limb_ring::host

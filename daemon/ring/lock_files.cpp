@@ -20,8 +20,10 @@
 #include "io/regular_file.h"
 #include "io/throw_errno.h"
 #include "io/unique_fd.h"
+#include "io/unix_socket.h"
 #include "limb_ring/ring_directory.h"
 #include "ring/ring_files.h"
+#include "wire/bytes.h"
 
 namespace limb_ring::live {
 
@@ -43,6 +45,13 @@ bool is_held(const fs::path& lock) {
   const process::UniqueFd file = process::open_regular(lock);
   if (!file.valid() && process::is_shortage(errno)) process::throw_errno("cannot look at " + lock.string());
   return file.valid() && is_held(file);
+}
+
+/// The daemon that listens at a node's host port. Where its lock file was removed, as by a cleaner of temporary files,
+/// it lives all the same, and makes the file again within a second. @return -1 where none listens
+pid_t listening_at(const std::string& socket) {
+  const process::UniqueFd connection = process::connect_unix(socket);
+  return connection.valid() && process::is_of_our_user(connection.get()) ? process::peer_of(connection.get()).pid : -1;
 }
 
 /// Why a lock file that could not be opened does not tell who holds it; empty where there is none.
@@ -112,6 +121,9 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   const process::UniqueFd file = process::open_regular(lock);
   if (!file.valid()) {
     holder.problem = why_untold(lock, errno);
+    if (holder.problem.empty()) holder.pid = listening_at(fs::path(lock).replace_extension(".host"));
+    holder.held = holder.pid > 0;
+    holder.frozen = holder.held && process::is_stopped(holder.pid);
     return holder;
   }
   std::istringstream text(process::text_of(file));
@@ -134,11 +146,22 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   return holder;
 }
 
+std::optional<std::uint64_t> last_boot(const std::string& folder, std::uint8_t node) {
+  const std::string bytes = process::text_of_regular(folder + "/" + std::to_string(node) + ".boot");
+  if (bytes.size() != sizeof(std::uint64_t)) return std::nullopt;
+  return wire::load_u64(reinterpret_cast<const std::uint8_t*>(bytes.data()));
+}
+
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
-  for (const fs::path file : files_in(folder))
+  for (const fs::path file : files_in(folder)) {
+    std::error_code link;
+    const fs::path lock = fs::path(file).replace_extension(".lock");
     if (const auto node = node_of(file, ".lock"); node && is_held(file))
       held.push_back({*node, file.string(), holder_of(folder, *node).pid});
+    else if (const auto socket = node_of(file, ".host"); socket && !fs::exists(fs::symlink_status(lock, link)))
+      if (const pid_t pid = listening_at(file); pid > 0) held.push_back({*socket, lock.string(), pid});
+  }
   return held;
 }
 

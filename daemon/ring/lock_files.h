@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct Holder {
 Holder holder_of(const std::string& folder, std::uint8_t node);
 /// Its daemon is stopped: who asks it something waits.
 inline bool is_frozen(const std::string& folder, std::uint8_t node) { return holder_of(folder, node).frozen; }
+
+/// Boot number of the node's last daemon (protocol.md section 4.8), which lives or is dead; nothing where none is kept.
+std::optional<std::uint64_t> last_boot(const std::string& folder, std::uint8_t node);
 
 /// A node held by a daemon that lives, as its lock file says.
 struct HeldNode {

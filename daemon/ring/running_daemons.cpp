@@ -213,6 +213,7 @@ void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
                   (last.pid > 0 ? ", pid " + std::to_string(last.pid) : ""));
   if (last.program.empty())
     throw NotDone("node " + node(id).name + " has never run on this host, so nobody knows how to start it");
+  const bool killed = is_killed(folder_, id);
   const std::string log = folder_ + "/" + node(id).number + ".log";
   const process::UniqueFd output = process::open_regular(log, O_WRONLY | O_CREAT | O_APPEND);
   if (!output.valid()) throw NotDone("cannot write " + log + ": " + process::why_not_opened(log));
@@ -220,9 +221,11 @@ void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
   // Where it has ended and the node runs all the same, somebody else has started it.
   const auto in_vain = [&] { return (daemon.reap() || daemon.ended()) && !holder(id).held; };
   const bool in_time = wait_for([&] { return has_joined(id) || in_vain(); }, patience);
-  if (in_vain())
+  if (in_vain()) {
+    if (killed) write_killed(folder_, id, holder(id).pid);  // it stays so: this one has only left its pid
     throw NotDone("node " + node(id).name + " cannot be started: " + daemon.ended()->text +
                   process::last_lines_of(log));
+  }
   keep(std::move(daemon));
   if (!in_time) throw not_joined(ring_, node(id).name, patience);
 }

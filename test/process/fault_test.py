@@ -44,6 +44,24 @@ class Nodes(FaultTest):
         self.fault('start', 'node2')
         self.wait_closed(range(3))
 
+    def test_a_process_of_somebody_else_in_the_place_of_a_killed_node_is_seen_and_the_kill_is_not_forgotten(self):
+        daemons = self.start_ring(self.udp_nodes(3), timeouts=QUICK)
+        self.begin('kill', 'node1')
+        self.assertTrue(is_gone(daemons[1].pid))
+        other = self.launcher.runtime + '_other'
+        os.mkdir(other, 0o700)
+        stands_in = self.start('foreign', ['env', 'XDG_RUNTIME_DIR=' + other, ring_process.program('ringd'), '--config',
+                                           os.path.join(self.folder, 'ring.yaml'), '--node', '1'])
+        self.wait('a ring of three', lambda: self.row(0)['ring_size'] == 3)
+        self.wait('it is seen', lambda: self.ctl_json('status')['nodes'][1]['state'] == 'up')
+        self.assertIn('cannot be started', self.fault('start', 'node1', code=1))
+        self.assertEqual(self.listed()['node1.kill']['fault'], 'kill node1')
+        stands_in.kill()
+        stands_in.wait()
+        self.fault('start', 'node1')
+        self.wait_closed(range(3))
+        self.assertEqual(self.listed(), {})
+
     def test_a_ring_of_which_all_nodes_were_killed_is_brought_back(self):
         self.start_ring(plain_nodes(3))
         self.begin('kill', 'all')

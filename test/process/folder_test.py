@@ -1,5 +1,6 @@
 """The ring's folder: private, possible, tidy."""
 
+import fcntl
 import os
 import shutil
 import signal
@@ -31,6 +32,28 @@ class Folder(RingTest):
         for folder in (os.path.dirname(self.ring_folder()), self.ring_folder()):
             self.assertEqual(stat.S_IMODE(os.stat(folder).st_mode), 0o700)
         self.assertEqual(stat.S_IMODE(os.stat(self.socket_of(0)).st_mode), 0o600)
+
+    def test_whose_plain_files_a_cleaner_has_removed_is_still_the_folder_of_a_ring_for_every_command(self):
+        daemons = self.start_ring(plain_nodes(2))
+        for node in daemons:
+            os.kill(daemons[node].pid, signal.SIGSTOP)  # they would make the files again
+        for file in os.listdir(self.ring_folder()):
+            if stat.S_ISREG(os.lstat(os.path.join(self.ring_folder(), file)).st_mode):
+                os.remove(os.path.join(self.ring_folder(), file))
+        self.assertIn(self.ring, self.ctl('list').stdout)
+        again = self.ctl('up', os.path.join(self.folder, 'ring.yaml'), '--detach')
+        self.assertEqual(again.returncode, 1, again.stderr)
+        self.assertIn('is running already', again.stderr)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        for node in daemons:
+            self.wait_exit(daemons[node])
+
+    def test_is_locked_as_cleaners_of_temporary_files_respect_it(self):
+        self.start_ring(plain_nodes(2))
+        folder = os.open(self.ring_folder(), os.O_RDONLY)
+        with self.assertRaises(BlockingIOError):
+            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        os.close(folder)
 
     def test_open_to_others_is_refused(self):
         self.make_ring_folder()
