@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 
 #include "config/characters.h"
@@ -22,8 +23,8 @@ bool is_unfinished_note(const fs::path& file) {
 }
 
 bool is_leftover(const fs::path& file) {
-  constexpr std::array ours{".boot", ".fault", ".former", ".host",   ".killed", ".link", ".link2",
-                            ".lock", ".log",   ".new",    ".record", ".taken",  ".watch"};
+  constexpr std::array ours{".boot", ".fault", ".former", ".host", ".killed", ".link",  ".link2",
+                            ".lock", ".log",   ".new",    ".read", ".record", ".taken", ".watch"};
   return is_unfinished_note(file) ||
          std::any_of(ours.begin(), ours.end(), [&](const char* extension) { return file.extension() == extension; });
 }
@@ -47,9 +48,37 @@ std::optional<std::uint8_t> node_of(const std::string& file, const std::string& 
   return static_cast<std::uint8_t>(std::stoi(digits));
 }
 
+std::string kept_logs(const std::string& folder) {
+  const fs::path path(folder);
+  return path.parent_path() / ".logs" / path.filename();
+}
+
+void forget_logs(const std::string& folder) {
+  std::error_code ignored;
+  fs::remove_all(kept_logs(folder), ignored);
+}
+
+namespace {
+
+/// Of a file system that is full or read-only they go the way of the others.
+void keep_logs(const std::vector<std::string>& logs, const std::string& folder) {
+  std::error_code ignored;
+  if (logs.empty()) return;
+  forget_logs(folder);
+  fs::create_directories(kept_logs(folder), ignored);
+  for (const fs::path log : logs) fs::rename(log, fs::path(kept_logs(folder)) / log.filename(), ignored);
+}
+
+}  // namespace
+
 void remove_leftovers(const std::string& folder) {
   std::error_code ignored;
-  for (const std::string& file : files_in(folder))
+  std::vector<std::string> logs;
+  const std::vector<std::string> files = files_in(folder);
+  std::copy_if(files.begin(), files.end(), std::back_inserter(logs),
+               [](const fs::path file) { return file.extension() == ".log"; });
+  keep_logs(logs, folder);
+  for (const std::string& file : files)
     if (is_leftover(file)) fs::remove(file, ignored);
   fs::remove(folder, ignored);
 }

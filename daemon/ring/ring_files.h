@@ -36,4 +36,9 @@ std::optional<std::uint8_t> node_of(const std::string& file, const std::string& 
 /// @pre no node of it is held, and nobody is starting it
 void remove_leftovers(const std::string& folder);
 
+/// Where remove_leftovers() keeps the log files of a ring's folder, which say why it ended: `.logs/RING` beside it,
+/// until forget_logs(), when the ring is started again.
+std::string kept_logs(const std::string& folder);
+void forget_logs(const std::string& folder);
+
 }  // namespace limb_ring::live

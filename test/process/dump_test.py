@@ -5,12 +5,13 @@ import os
 import pty
 import select
 import signal
+import struct
 import subprocess
 import termios
 import time
 
 import ring_process
-from ring_process import GUARD, RingTest, plain_nodes, program
+from ring_process import GUARD, RingTest, plain_nodes, process_state, program
 from limb_ring import Result
 
 
@@ -105,6 +106,33 @@ class Dump(Looking):
         for process in (writer, shower):
             process.send_signal(signal.SIGINT)
             self.assertEqual(self.wait_exit(process), 0)
+
+    def test_of_other_peoples_files_says_that_nothing_is_ours_and_reads_standard_input(self):
+        def block(kind, body):
+            return struct.pack('<II', kind, len(body) + 12) + body + struct.pack('<I', len(body) + 12)
+
+        foreign = (block(0x0A0D0D0A, struct.pack('<IHHq', 0x1A2B3C4D, 1, 0, -1)) +
+                   block(1, struct.pack('<HHIHHB3x', 1, 0, 65535, 9, 1, 0xA0)) +
+                   block(6, struct.pack('<IIIII', 0, 0, 1, 4, 4) + b'abcd'))
+        path = os.path.join(self.folder, 'foreign.pcapng')
+        with open(path, 'wb') as file:
+            file.write(foreign)
+        with open(path, 'rb') as file:
+            done = self.ctl('traffic', 'show', '-r', '-', stdin=file)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('standard input: no packet of this protocol; skipped 1 of 1', done.stderr)
+
+    def test_ends_without_a_word_where_nobody_reads_on(self):
+        self.start_ring(plain_nodes(2))
+        dump = subprocess.Popen([program('ringctl'), '--ring', self.ring, 'traffic', 'show', 'all'], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, env=self.environment)
+        self.processes.append(('dump', dump))
+        dump.log = os.devnull
+        dump.stdout.readline()
+        dump.stdout.close()
+        self.wait_exit(dump)
+        self.assertEqual(dump.stderr.read(), b'')
+        dump.stderr.close()
 
     def test_counts_are_said_also_where_the_daemon_dies_or_the_file_is_damaged(self):
         daemons = self.start_ring(plain_nodes(3))
@@ -246,12 +274,18 @@ class Top(Looking):
             terminal, inside = pty.openpty()
             before = termios.tcgetattr(inside)
             top = subprocess.Popen([program('ringctl'), 'status', '--watch', '--interval', '0.1'], stdin=inside,
-                                   stdout=inside, stderr=inside, env=self.environment)
+                                   stdout=inside, stderr=inside, env=self.environment,
+                                   preexec_fn=os.setpgrp)  # as a shell starts it: it can be stopped
             self.processes.append(('top', top))
             top.log = os.devnull
             seen = self.read_until(terminal, lambda text: text.count('2 of 2 nodes up') >= 2)
             self.assertNotEqual(termios.tcgetattr(inside), before)
             self.assertEqual(termios.tcgetattr(inside)[6][termios.VSUSP], b'\0', 'Ctrl-Z is a key')
+            os.write(terminal, b'\x1a')
+            self.wait('it is stopped', lambda: process_state(top.pid) == 'T')
+            self.assertEqual(termios.tcgetattr(inside), before)
+            top.send_signal(signal.SIGCONT)
+            self.wait('it goes on', lambda: termios.tcgetattr(inside) != before)
             os.write(terminal, b'q') if ending == 'q' else top.send_signal(signal.SIGINT)
             seen += self.read_until(terminal, lambda text: '\033[?1049l' in text)
             self.assertEqual(self.wait_exit(top), 0)

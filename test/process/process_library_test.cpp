@@ -17,6 +17,7 @@
 #include "io/process_state.h"
 #include "io/spawn.h"
 #include "io/wall_clock.h"
+#include "io/signal_wait.h"
 
 namespace limb_ring::process {
 namespace {
@@ -55,6 +56,16 @@ TEST(MappedFile, LeavesABusErrorThatIsNotItsOwnAsItIs) {
   auto* const other = static_cast<volatile char*>(::mmap(nullptr, 100000, PROT_READ, MAP_SHARED, open.get(), 0));
   EXPECT_EXIT({ (void)other[90000]; }, testing::KilledBySignal(SIGBUS), "");
   std::filesystem::remove(kMapped);
+}
+
+TEST(Standstill, IsWhatNoRoundOfALoopTakesAndAddsUp) {
+  const Standstill::Time begun{};
+  Standstill standstill(begun);
+  EXPECT_EQ(standstill.look(begun + 900ms), 0ms);
+  EXPECT_EQ(standstill.look(begun + 60'900ms), 60'000ms);
+  EXPECT_EQ(standstill.look(begun + 61'000ms), 0ms);
+  standstill.look(begun + 63'000ms);
+  EXPECT_EQ(standstill.total(), 62'000ms);
 }
 
 Spawned started(std::vector<std::string> arguments) {

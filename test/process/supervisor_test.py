@@ -85,7 +85,7 @@ class Supervisor(RingTest):
         self.wait_verdict(1, 'hung')
         text = self.ctl('status').stdout
         self.assertRegex(text, r'(?m)^ *1 +node1 +up .* hung ')
-        self.assertRegex(text, r'supervisor node0, policy report:\n  node1: hung for .* 1 hang, 0 resets')
+        self.assertRegex(text, r'supervisor node0, policy report:\n  node1: hung for .* 1 hang, 0 resets by it')
         rows = self.ctl_json('status')['nodes']
         self.assertEqual([row['cpu'].get('verdict') for row in rows], [None, 'hung', 'alive'])
         self.assertEqual(process_state(old), 'T')

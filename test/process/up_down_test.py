@@ -1,19 +1,37 @@
 """ringctl up and down."""
 
 import fcntl
+import json
 import os
 import signal
 import subprocess
 import tempfile
 
 import ring_process
-from ring_process import RingTest, plain_nodes
+from ring_process import RingTest, plain_nodes, program
 
 
 class UpDown(RingTest):
     def up(self, *arguments):
         done = self.ctl('--ring', self.ring, 'up', *arguments, '--detach', '--timeout', 60)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_of_all_rings_and_of_one_is_not_asked_for_together(self):
+        self.start_ring(plain_nodes(2))
+        for arguments in (['down', '--all', '--ring', self.ring], ['down', self.ring, '--ring', 'other'],
+                          ['list', '--ring', self.ring], ['traffic', 'show', '-r', 'file', '--ring', self.ring]):
+            self.assertEqual(self.ctl(*arguments).returncode, 2, arguments)
+        self.assertTrue(self.row(0))
+
+    def test_under_nohup_outlives_its_terminal(self):
+        up = self.start('up', [program('ringctl'), 'up', '--nodes', '2', '--ring', self.ring],
+                        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        self.wait_closed([0, 1])
+        up.send_signal(signal.SIGHUP)
+        self.assertEqual(self.ctl('ping', '1', '--from', '0', '-c', 3, '-i', '500ms').returncode, 0)
+        self.assertIsNone(up.poll())
+        up.send_signal(signal.SIGTERM)
+        self.assertEqual(self.wait_exit(up), 0)
 
     def test_detached_twice(self):
         for _ in range(2):
@@ -26,6 +44,42 @@ class UpDown(RingTest):
             self.assertEqual(self.ctl('down', self.ring).returncode, 0)
             self.assertFalse(os.path.exists(self.ring_folder()))
         self.assertEqual(self.ctl('down', self.ring).returncode, 3)
+
+    def test_what_it_has_read_is_what_every_daemon_and_cpu_runs_until_the_next_one(self):
+        def config_with(boot):
+            return self.write_ring(plain_nodes(3), timeouts={'cpu_boot': boot})
+
+        def boot_of(node):
+            with self.port(node) as port:
+                return json.loads(port.ask('{"do": "config"}'))['cpu_boot_ms']
+
+        self.assertEqual(self.ctl('up', config_with('3s'), '--detach', '--timeout', '60').returncode, 0)
+        config_with('4s')
+        for fault in (['kill'], ['start'], ['power_cycle']):
+            self.assertEqual(self.ctl('fault', *fault, 'node1').returncode, 0, fault)
+        self.assertEqual([boot_of(node) for node in range(3)], [3000] * 3)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.assertEqual(self.ctl('up', config_with('4s'), '--detach', '--timeout', '60').returncode, 0)
+        self.assertEqual([boot_of(node) for node in range(3)], [4000] * 3)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+
+    def test_logs_say_what_was_wrong_after_the_ring_is_down_until_it_is_started_again(self):
+        logs = os.path.join(os.path.dirname(self.ring_folder()), '.logs', self.ring)
+        for _ in range(2):
+            self.assertEqual(self.ctl('up', '--nodes', '2', '--ring', self.ring, '--detach').returncode, 0)
+            self.assertFalse(os.path.exists(logs))
+            self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+            self.assertFalse(os.path.exists(self.ring_folder()))
+            self.assertEqual(sorted(os.listdir(logs)), ['0.log', '1.log'])
+        self.assertEqual(self.ctl('list').stdout, 'no ring is running\n')
+
+    def test_a_program_that_is_not_there_is_named_before_anything_is_started(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': ['limb_firmwar']}
+        done = self.ctl('up', self.write_ring(nodes), '--detach')
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("the CPU of node node1: no program 'limb_firmwar'", done.stderr)
+        self.assertFalse(os.path.exists(self.ring_folder()))
 
     def test_of_two_at_once_one_starts_the_ring(self):
         command = [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3', '--timeout', '60']

@@ -23,7 +23,7 @@ std::string lack_of_cpu(const json& row) {
   const std::string word = cpu_word(row);
   if (cpu.value("kind", "") != "child" || word == "running" || word == "latched") return {};
   const json why = cpu.value("last_exit", json());
-  return "its CPU is " + word + (why.is_string() ? " (" + why.get<std::string>() + ")" : "");
+  return "its CPU is " + word + (why.is_string() && why != "" ? " (" + why.get<std::string>() + ")" : "");
 }
 
 /// Of one on another host: its beacons say no more.

@@ -105,6 +105,13 @@ bool is_unanswered(const live::Holder& holder) {
   return (holder.held && !holder.frozen) || (!holder.held && !holder.problem.empty());
 }
 
+/// Of a node without a daemon of ours: a later life than that of the daemon which is dead here is heard, so somebody
+/// else stands in for it.
+bool is_of_another(const std::string& folder, std::uint8_t node, const json& heard) {
+  const auto last = live::last_boot(folder, node);
+  return !last || heard.value("boot", std::uint64_t{0}) > *last;
+}
+
 json absent_row(const RingAccess& ring, const std::vector<Answer>& answers, std::size_t place) {
   const NodeName& node = ring.nodes()[place];
   const std::string folder = ring_directory(ring.ring());
@@ -117,9 +124,10 @@ json absent_row(const RingAccess& ring, const std::vector<Answer>& answers, std:
     row["unanswered"] = answers[place].why_not.empty() ? holder.problem : answers[place].why_not;
   }
   row["faults"] = faults_of_absent(folder, node.id, row["state"] == "frozen");
-  const bool elsewhere = ring.hosts().empty() ? holder.pid <= 0 : ring.is_elsewhere(node);
+  const bool elsewhere = ring.hosts().empty() ? !holder.held : ring.is_elsewhere(node);
   const json heard = elsewhere ? heard_of(ring, answers, node.id) : json();
-  if (heard.is_null()) return row;
+  const bool here = ring.hosts().empty() && holder.pid > 0;
+  if (heard.is_null() || (here && !is_of_another(folder, node.id, heard))) return row;
   row["state"] = state_in(heard, answers);
   row["elsewhere"] = true;
   row["cpu"]["state"] = heard.value("cpu_state", "unknown");
@@ -197,6 +205,19 @@ std::string warning_report(const std::vector<json>& rows) {
   }
   std::string text;
   for (const auto& [warning, all] : names) text += all + ": " + warning + '\n';
+  return text;
+}
+
+std::string cpu_report(const std::vector<json>& rows) {
+  std::string text;
+  for (const json& row : rows) {
+    const json cpu = row.value("cpu", json::object());
+    const json why = cpu.value("last_exit", json());
+    if (cpu_word(row) != "failed" || !why.is_string() || why.get<std::string>().empty()) continue;
+    const auto boots = cpu.value("failed_boots", std::uint64_t{0});
+    text += "CPU of " + row.value("name", "") + " failed: " + why.get<std::string>() +
+            (boots > 0 ? "; " + app::counted(boots, "start") + " in vain" : "") + '\n';
+  }
   return text;
 }
 

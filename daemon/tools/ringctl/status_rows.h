@@ -43,6 +43,7 @@ std::string headline(const std::string& ring, const std::vector<nlohmann::json>&
 /// The nodes that have not answered, and why; empty where all have.
 std::string unanswered_report(const std::vector<nlohmann::json>& rows);
 /// What nodes warn of, such as too few file descriptors; empty where none does.
+std::string cpu_report(const std::vector<nlohmann::json>& rows);
 std::string warning_report(const std::vector<nlohmann::json>& rows);
 /// The nodes at which a stop is latched, and what ends it; empty where none is.
 std::string stop_report(const std::vector<nlohmann::json>& rows);

@@ -36,7 +36,8 @@ std::string line_of(const json& cpu) {
   return "  " + cpu["name"].get<std::string>() + ": " + cpu["verdict"].get<std::string>() + " for " +
          app::number(cpu["for_ms"].get<double>() / 1000) + " s (" + cpu["last"].get<std::string>() + "); " +
          app::counted(cpu["hangs"].get<std::uint64_t>(), "hang") + ", " +
-         app::counted(cpu["resets"].get<std::uint64_t>(), "reset") + ", " + cpu["confirmed"].dump() + " confirmed\n";
+         app::counted(cpu["resets"].get<std::uint64_t>(), "reset") + " by it, " + cpu["confirmed"].dump() +
+         " confirmed\n";
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ TEST(Supervision, MarksTheHungCpuInItsOwnRow) {
 TEST(Supervision, TellsWhatWasDoneAboutIt) {
   EXPECT_EQ(supervision_text(rows_of_a_hang()),
             "supervisor body, policy auto:\n"
-            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); 1 hang, 1 reset, 0 confirmed\n");
+            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); 1 hang, 1 reset by it, 0 confirmed\n");
 }
 
 TEST(Supervision, NamesThoseBehindABreakInOneLine) {
@@ -166,7 +166,7 @@ TEST(Supervision, NamesThoseBehindABreakInOneLine) {
   for (const int cpu : {0, 2}) watched[cpu].update(unreachable);
   EXPECT_EQ(supervision_text(rows),
             "supervisor body, policy auto:\n"
-            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); 1 hang, 1 reset, 0 confirmed\n"
+            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); 1 hang, 1 reset by it, 0 confirmed\n"
             "  unreachable (no beacon of its node for 500 ms): head, waist\n");
 }
 

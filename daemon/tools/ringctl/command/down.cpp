@@ -125,8 +125,10 @@ int run_all() {
 
 void add_down(CLI::App& app, Context& context) {
   auto ring = std::make_shared<std::string>();
-  CLI::App* command =
-      add_command(app, "down", "End a ring: ask its daemons to, then SIGTERM, then SIGKILL; tidy its folder");
+  CLI::App* command = add_command(
+      app, "down",
+      "End a ring: ask its daemons to, then SIGTERM, then SIGKILL; tidy its folder. Its log files are in .logs/RING "
+      "beside that until it is started again");
   auto all = std::make_shared<bool>(false);
   CLI::Option* name = command->add_option("RING", *ring, "Name of the ring; default: as --ring");
   command->add_flag("--all", *all, "All rings of this user")->excludes(name);

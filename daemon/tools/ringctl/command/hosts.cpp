@@ -35,10 +35,12 @@ void add_key(CLI::App& app, Context& context) {
   auto file = std::make_shared<std::string>();
   CLI::App* command = add_command(app, "key", "Make a key for the UDP lines between the hosts of a ring");
   command->add_option("FILE", *file, "A file that is not there yet; its mode is 0600")->required();
-  command->callback([&context, file] { context.action = [&context, file] {
+  command->callback([&context, file] {
+    context.action = [&context, file] {
       require_no_ring(context, "a key is of no ring yet");
       return make_key(*file);
-    }; });
+    };
+  });
 }
 
 struct LaunchOptions {
@@ -68,10 +70,12 @@ void add_launch(CLI::App& app, Context& context) {
                       "Script on each host that sets up ROS and runs its arguments; default: env.sh of this shell's "
                       "catkin workspace, or /usr/bin/env where there is none");
   command->add_option("--user", options->user, "Whom to log in as, where a host's `ssh` does not say");
-  command->callback([&context, options] { context.action = [&context, options] {
+  command->callback([&context, options] {
+    context.action = [&context, options] {
       require_no_ring(context, "the ring is that of CONFIG");
       return print_launch(*options);
-    }; });
+    };
+  });
 }
 
 }  // namespace
