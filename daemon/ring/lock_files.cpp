@@ -121,9 +121,6 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   const process::UniqueFd file = process::open_regular(lock);
   if (!file.valid()) {
     holder.problem = why_untold(lock, errno);
-    if (holder.problem.empty()) holder.pid = listening_at(fs::path(lock).replace_extension(".host"));
-    holder.held = holder.pid > 0;
-    holder.frozen = holder.held && process::is_stopped(holder.pid);
     return holder;
   }
   std::istringstream text(process::text_of(file));

@@ -15,9 +15,9 @@
 #include "io/mapped_file.h"
 #include "io/process_handle.h"
 #include "io/process_state.h"
+#include "io/signal_wait.h"
 #include "io/spawn.h"
 #include "io/wall_clock.h"
-#include "io/signal_wait.h"
 
 namespace limb_ring::process {
 namespace {

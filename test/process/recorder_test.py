@@ -68,7 +68,7 @@ class Recorder(RingTest):
         for recording in recordings:
             self.wait('it is made again', lambda: os.path.exists(recording) and os.path.getsize(recording) == 1048576)
         self.send_delivered(0, 1)
-        self.assertEqual([daemon.poll() for daemon in daemons], [None] * 3)
+        self.assertEqual([daemon.poll() for daemon in daemons.values()], [None] * 3)
         self.assertIn('3 recordings', self.save())
         self.assertIn('all identical', self.replay(self.saved))
 

@@ -1,7 +1,6 @@
 """ringctl up and down."""
 
 import fcntl
-import json
 import os
 import signal
 import subprocess
@@ -50,8 +49,7 @@ class UpDown(RingTest):
             return self.write_ring(plain_nodes(3), timeouts={'cpu_boot': boot})
 
         def boot_of(node):
-            with self.port(node) as port:
-                return json.loads(port.ask('{"do": "config"}'))['cpu_boot_ms']
+            return self.port(node).ask({'do': 'config'})['cpu_boot_ms']
 
         self.assertEqual(self.ctl('up', config_with('3s'), '--detach', '--timeout', '60').returncode, 0)
         config_with('4s')
@@ -99,13 +97,13 @@ class UpDown(RingTest):
 
     def test_one_that_fails_leaves_no_folder_unless_something_was_in_it(self):
         nodes = plain_nodes(2)
-        nodes[1]['cpu'] = {'command': ['no_such_program']}
+        nodes[1]['cpu'] = {'command': [self.script('ends_at_once', 'exit 7\n')]}
         config = self.write_ring(nodes)
         for more in ['--detach'], []:
             failed = self.ctl('up', config, '--timeout', 2, *more)
             self.assertEqual(failed.returncode, 1)
             self.assertIn('not closed within 2 s (--timeout); ', failed.stderr)
-            self.assertIn('no_such_program', failed.stderr)
+            self.assertIn('exit 7', failed.stderr)
             self.assertFalse(os.path.exists(self.ring_folder()))
         self.assertEqual(self.ctl('up', config, '--timeout', 2, '--record').returncode, 1)
         self.assertIn('1.record', os.listdir(self.ring_folder()))
@@ -174,7 +172,7 @@ class UpDown(RingTest):
         nodes = plain_nodes(3)
         nodes[2]['cpu'] = {'command': ['no_such_program']}
         up = self.ctl('up', self.write_ring(nodes), '--detach', '--timeout', 5)
-        self.assertEqual(up.returncode, 1)
+        self.assertEqual(up.returncode, 2)
         self.assertIn('no_such_program', up.stderr)
         self.assertIn('node2', up.stderr)
         self.assertEqual(self.ctl('--ring', self.ring, 'status').returncode, 3)
@@ -261,7 +259,7 @@ class UpDown(RingTest):
                 os.kill(row['pid'], signal.SIGKILL)
         self.wait('they are dead', lambda: self.ctl_json('list') == [])
         self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
-        self.assertEqual(os.listdir(os.path.dirname(self.ring_folder())), ['recorded'])
+        self.assertEqual(sorted(os.listdir(os.path.dirname(self.ring_folder()))), ['.logs', 'recorded'])
 
     def test_all_rings_are_ended_also_where_somebody_ends_one_meanwhile(self):
         nodes = plain_nodes(2)

@@ -7,12 +7,12 @@
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
 #include "config/recorder_saves.h"
+#include "io/find_program.h"
 #include "limb_ring/ring_directory.h"
 #include "tools/common/ring_file.h"
 #include "tools/ringctl/host_choice.h"
 #include "tools/ringctl/problems.h"
 #include "tools/ringctl/tell_user.h"
-#include "io/find_program.h"
 
 namespace limb_ring::ringctl {
 
@@ -90,12 +90,12 @@ live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifet
   return request;
 }
 
-/// @throw UsageError: each start would fail in the same way
-void require_program(const config::RingConfig& config, const config::NodeConfig& node) {
-  if (node.cpu.kind != config::CpuConfig::Kind::child || node.cpu.command.empty()) return;
+/// The program of a node's CPU that is not there; empty where it is.
+std::string missing_program(const config::RingConfig& config, const config::NodeConfig& node) {
+  if (node.cpu.kind != config::CpuConfig::Kind::child || node.cpu.command.empty()) return "";
   const std::string& name = node.cpu.command.front();
-  if (!process::find_program(name).empty()) return;
-  throw UsageError(config.path + ": the CPU of node " + node.name + ": " + process::no_program(name));
+  if (!process::find_program(name).empty()) return "";
+  return config.path + ": the CPU of node " + node.name + ": " + process::no_program(name);
 }
 
 RingPlan plan_ring(const UpRequest& given) {
@@ -124,7 +124,7 @@ RingPlan plan_ring(const UpRequest& given) {
   }
   for (const auto& node : config.nodes) {
     if (!plan.host.empty() && config.host_of(node)->name != plan.host) continue;
-    require_program(config, node);
+    if (plan.missing_program.empty()) plan.missing_program = missing_program(config, node);
     plan.nodes.push_back({node.id, node.name});
   }
   return plan;

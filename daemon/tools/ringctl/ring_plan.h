@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "config/ring_config.h"
 #include "ring/launched_ring.h"
 #include "tools/ringctl/ring_access.h"
-#include "config/ring_config.h"
 
 namespace limb_ring::ringctl {
 
@@ -39,6 +39,7 @@ struct RingPlan {
   std::vector<std::string> arguments;   ///< of every ringd, without --node
   std::vector<config::ReadFile> files;  ///< that it was read from; the daemons read them from the ring's folder
   bool is_virtual = false;              ///< one daemon for all nodes
+  std::string missing_program;          ///< of a CPU, in words: each start of it would fail; empty: all are there
   /// Arguments of the `ringctl` that saves recordings when something goes wrong; empty: none does.
   std::vector<std::string> keeper;
   std::string saves;  ///< the folder it saves them in

@@ -36,7 +36,7 @@ TEST_F(Board, NamesTheFileThatItCannotUse) {
   try {
     TakenBoard("r", 3);
     FAIL() << "a folder was taken for a file";
-  } catch (const std::system_error& error) {
+  } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("3.taken"), std::string::npos);
   }
 }

@@ -11,6 +11,7 @@
 #include "io/signal_wait.h"
 #include "limb_ring/ring_directory.h"
 #include "ring/lock_files.h"
+#include "ring/ring_files.h"
 #include "tools/cli/values.h"
 #include "tools/common/out_file.h"
 #include "tools/ringctl/command/commands.h"
@@ -19,7 +20,6 @@
 #include "tools/ringctl/ring_watch.h"
 #include "tools/ringctl/stay.h"
 #include "tools/ringctl/up_lock.h"
-#include "ring/ring_files.h"
 
 namespace limb_ring::ringctl {
 
@@ -93,6 +93,7 @@ RingPlan planned(const Context& context, const UpOptions& options) try {
 }
 
 int run(const RingPlan& plan, const UpOptions& options) {
+  if (!plan.missing_program.empty()) throw UsageError(plan.missing_program);
   UpLock lock(plan.ring, plan.host);
   require_not_running(plan);
   require_place_for_saves(plan, options.request.config);
