@@ -20,7 +20,8 @@ constexpr double kStep = 2.0 * 0.01;                // rad in a period: 2 rad/s
 struct Joint {
   double position = 0, goal = 0;  // rad
   payload::JointState state;
-  // Stamp of the last command obeyed; and of that which gave the goal; when a stop came.
+  // When the last command obeyed was given, and the one with the goal; when a stop came. All by now(), which nobody
+  // sets.
   std::optional<std::int64_t> obeyed_ns, commanded_ns, stopped_ns;
 
   void obey(const payload::JointCommand& command, std::int64_t now_ns) {
@@ -45,8 +46,8 @@ struct Joint {
     commanded_ns.reset();  // what resumes says no goal, and the old one is given up
   }
 
-  payload::Encoded next_state(std::int64_t now_ns) {
-    state.stamp_ns = now_ns;
+  payload::Encoded next_state(std::int64_t now_ns, std::int64_t stamp_ns) {
+    state.stamp_ns = stamp_ns;
     state.mode.stopped = stopped_ns.has_value();
     const bool heard = commanded_ns && now_ns - *commanded_ns < nanoseconds(kSilence).count();
     state.mode.commanded = heard && !state.mode.stopped;
@@ -77,13 +78,16 @@ int main(int argc, char** argv) try {
       const auto* packet = std::get_if<Packet>(&*message);
       const auto* interrupt = std::get_if<Interrupt>(&*message);
       if (packet && packet->channel == payload::kJointChannel)
-        if (const auto command = payload::decode_joint_command(packet->data))
-          joint.obey(*command, port.stamp().count());
-      if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stop(port.stamp().count());
+        if (auto command = payload::decode_joint_command(packet->data)) {
+          (*command).stamp_ns = (port.now() - port.age_of(command->stamp_ns)).count();
+          joint.obey(*command, port.now().count());
+        }
+      if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stop(port.now().count());
     }
     if (port.now() < due) continue;
     due = std::max(due + kPeriod, port.now());  // what was missed, as in a hang, is not made up for
-    if (const auto bytes = joint.next_state(port.stamp().count())) port.send(0, *bytes, 0, payload::kJointChannel);
+    const auto state = joint.next_state(port.now().count(), port.stamp().count());
+    if (state) port.send(0, *state, 0, payload::kJointChannel);
   }
 } catch (const HostPortError& problem) {
   std::cerr << "joint_cpu: " << problem.what() << std::endl;

@@ -16,7 +16,7 @@ PublisherLook::PublisherLook(const ros::NodeHandle& nodes, const std::vector<std
     : topics_(topics), nodes_(nodes), thread_(1, &queue_) {
   if (topics_.empty()) return;
   nodes_.setCallbackQueue(&queue_);
-  timer_ = nodes_.createWallTimer(kPublisherLook, [this](const ros::WallTimerEvent&) { look(); });
+  timer_ = nodes_.createSteadyTimer(kPublisherLook, [this](const ros::SteadyTimerEvent&) { look(); });
   thread_.start();
 }
 

@@ -26,7 +26,7 @@ class PublisherLook {
   ros::CallbackQueue queue_;
   ros::NodeHandle nodes_;
   ros::AsyncSpinner thread_;
-  ros::WallTimer timer_;
+  ros::SteadyTimer timer_;
   unsigned passed_over_ = 0;  ///< turns in which nobody was asked
 };
 

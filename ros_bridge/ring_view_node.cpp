@@ -39,8 +39,8 @@ class RingView {
     const auto at_once = ros::TransportHints().tcpNoDelay();  // else roscpp waits to fill a TCP segment
     status_in_ = nodes.subscribe("ring_status", 1, &RingView::show, this, at_once);
     states_in_ = nodes.subscribe("joint_states", 1, &RingView::take_joints, this, at_once);
-    timer_ =
-        nodes.createWallTimer(kFrame, [this](const ros::WallTimerEvent&) { held_.publish(joints_.all(now_for_tf())); });
+    timer_ = nodes.createSteadyTimer(
+        kFrame, [this](const ros::SteadyTimerEvent&) { held_.publish(joints_.all(now_for_tf())); });
   }
 
  private:
@@ -76,7 +76,7 @@ class RingView {
   tf2_ros::StaticTransformBroadcaster transforms_;
   ros::Publisher markers_, held_;
   ros::Subscriber status_in_, states_in_;
-  ros::WallTimer timer_;
+  ros::SteadyTimer timer_;
 };
 
 void run() {

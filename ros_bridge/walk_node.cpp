@@ -1,4 +1,4 @@
-// walk: publishes joint_commands of a humanoid walking in place, by the wall clock.
+// walk: publishes joint_commands of a humanoid walking in place.
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 
@@ -32,9 +32,10 @@ void walk() {
   const Gait gait(limb_ring::config::load_ring(config_parameter(own)),
                   number_parameter("step", given_parameter(own, "step"), 1.6));
   auto commands = nodes.advertise<sensor_msgs::JointState>("joint_commands", 1);
-  const auto start = ros::WallTime::now();
-  const auto timer = nodes.createWallTimer(
-      kPeriod, [&](const ros::WallTimerEvent&) { commands.publish(command_at(gait, ros::WallTime::now() - start)); });
+  const auto start = ros::SteadyTime::now();
+  const auto timer = nodes.createSteadyTimer(kPeriod, [&](const ros::SteadyTimerEvent&) {
+    commands.publish(command_at(gait, ros::SteadyTime::now() - start));
+  });
   ros::spin();
 }
 

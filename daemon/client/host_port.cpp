@@ -152,6 +152,12 @@ std::chrono::nanoseconds HostPort::stamp_of(std::chrono::nanoseconds time) const
   return std::chrono::nanoseconds(impl_->wall_clock.at(process::WallClock::Steady::time_point(time)));
 }
 
+std::chrono::nanoseconds HostPort::age_of(std::int64_t stamp_ns) const {
+  const std::chrono::nanoseconds time = now();
+  if (impl_->connection.clock() != client::ClockKind::machine) return time - std::chrono::nanoseconds(stamp_ns);
+  return impl_->wall_clock.age_of(stamp_ns, process::WallClock::Steady::time_point(time));
+}
+
 bool HostPort::in_lockstep() const { return impl_->connection.clock() == client::ClockKind::lockstep; }
 
 void HostPort::sleep_until(std::chrono::nanoseconds time) {

@@ -16,7 +16,7 @@ namespace limb_ring::live {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::system_clock;
+using std::chrono::steady_clock;
 
 std::string file_of(const std::string& folder, wire::NodeId node, const char* extension) {
   return folder + "/" + std::to_string(node) + extension;
@@ -41,7 +41,7 @@ std::string write_line(const std::string& path, const std::string& line) {
 std::string NodeNote::name() const { return words.substr(0, words.find(' ')); }
 
 std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words) {
-  const auto now = std::chrono::duration_cast<milliseconds>(system_clock::now().time_since_epoch());
+  const auto now = std::chrono::duration_cast<milliseconds>(steady_clock::now().time_since_epoch());
   return write_line(fault_file(folder, node), std::to_string(now.count()) + ' ' + words);
 }
 
@@ -52,7 +52,7 @@ std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node) {
   std::int64_t since = 0;
   NodeNote note;
   if (!(file >> since) || !std::getline(file >> std::ws, note.words)) return std::nullopt;
-  note.since = system_clock::time_point(milliseconds(since));
+  note.since = steady_clock::time_point(milliseconds(since));
   return note;
 }
 

@@ -13,8 +13,8 @@ namespace limb_ring::live {
 /// What was done to a whole node from outside, and when: its daemon is dead or stopped and cannot keep it.
 /// One file for a node, ID.fault in the ring's folder. (ours)
 struct NodeNote {
-  std::string words;  ///< of the fault
-  std::chrono::system_clock::time_point since;
+  std::string words;                            ///< of the fault
+  std::chrono::steady_clock::time_point since;  ///< this host's: it is one clock for all processes
 
   std::string name() const;  ///< the first word: "kill"
 };

@@ -197,7 +197,7 @@ std::optional<LiveFault> LiveFaults::node_fault(wire::NodeId node) const {
   fault.id = daemons_.node(node).name + '.' + name;
   fault.name = name;
   fault.words = note->words;
-  fault.age_s = std::chrono::duration<double>(std::chrono::system_clock::now() - note->since).count();
+  fault.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - note->since).count();
   fault.hits = 1;
   return fault;
 }

@@ -158,6 +158,10 @@ class HostPort {
   std::chrono::nanoseconds stamp() const;
   /// The stamp of a time of now() that is not long ago.
   std::chrono::nanoseconds stamp_of(std::chrono::nanoseconds time) const;
+  /// How long ago a stamp (ns, not negative) was given; negative: how far ahead it is. What was stamped on this host
+  /// keeps its age when the host's wall clock is set: compare ages, or now() - age_of(stamp), never stamps with
+  /// stamp().
+  std::chrono::nanoseconds age_of(std::int64_t stamp_ns) const;
   /// On a virtual ring, as ConnectOptions::lockstep has it.
   bool in_lockstep() const;
   /// Returns at that time of now(), or when the connection has ended. Messages stay for receive().

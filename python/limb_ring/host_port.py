@@ -136,11 +136,20 @@ class HostPort:
 
     def now(self):
         """CLOCK_MONOTONIC; on a virtual ring the time since its start. s"""
-        return self._port.now_ns() / 1e9
+        return self.now_ns() / 1e9
+
+    def now_ns(self):
+        """now() in ns"""
+        return self._port.now_ns()
 
     def stamp_ns(self):
         """The same instant for stamps of payloads: since 1970; on a virtual ring since its start. ns"""
         return self._port.stamp_ns()
+
+    def age_ns(self, stamp_ns):
+        """How long ago a stamp was given; negative: how far ahead it is. What was stamped on this host keeps its age when
+        the host's wall clock is set: compare ages, or now_ns() - age_ns(stamp), never stamps with stamp_ns(). ns"""
+        return self._port.age_ns(stamp_ns)
 
     def sleep_until(self, time_s):
         """Returns at that time of now(), or when the connection has ended. Messages stay for receive()."""

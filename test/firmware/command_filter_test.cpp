@@ -63,17 +63,49 @@ TEST_F(CommandFilterTest, ARefusedCommandDoesNotMoveTheOrder) {
   EXPECT_EQ(filter.judge(given(91ms), at(1ms)), Verdict::obey);
 }
 
-TEST_F(CommandFilterTest, IsNotLockedOutByAWallClockSetBack) {
+/// The same instant after this host's wall clock was set, forwards or back.
+Timestamps stepped(nanoseconds t, nanoseconds step) {
+  Timestamps now = at(t);
+  now.wall_ns += step.count();
+  return now;
+}
+
+TEST_F(CommandFilterTest, ObeysAcrossAStepOfThisHostsWallClock) {
+  for (const nanoseconds step : std::initializer_list<nanoseconds>{2s, -2s, 30ms, -30ms}) {
+    CommandFilter one{200ms};
+    EXPECT_EQ(one.judge(given(0ms), at(1ms)), Verdict::obey);
+    EXPECT_EQ(one.judge(given(10ms), stepped(11ms, step)), Verdict::obey) << "stamped before the step";
+    EXPECT_EQ(one.judge(given(9ms), stepped(11ms, step)), Verdict::older);
+    auto command = given(20ms);
+    command.stamp_ns += step.count();
+    EXPECT_EQ(one.judge(command, stepped(21ms, step)), Verdict::obey) << "stamped after it";
+    EXPECT_EQ(one.judge(command, stepped(21ms, step)), Verdict::older);
+  }
+}
+
+TEST_F(CommandFilterTest, AStepOfTheWallClockResumesNothing) {
+  filter.judge(given(0ms), at(0ms));
+  filter.stop(at(10ms));
+  EXPECT_EQ(filter.judge(resume(9ms), stepped(11ms, 2s)), Verdict::stopped);
+  auto command = resume(20ms);
+  command.stamp_ns -= nanoseconds(2s).count();
+  EXPECT_EQ(filter.judge(command, stepped(21ms, -2s)), Verdict::obey);
+}
+
+TEST_F(CommandFilterTest, ForgetsTheFormerWallClockAfterASecond) {
+  filter.judge(given(0ms), at(0ms));
+  EXPECT_EQ(filter.judge(given(10ms), stepped(11ms, 2s)), Verdict::obey);
+  EXPECT_EQ(filter.judge(given(1020ms), stepped(1020ms, 2s)), Verdict::expired);
+}
+
+TEST_F(CommandFilterTest, IsNotLockedOutByAnotherHostsWallClockSetBack) {
   EXPECT_EQ(filter.judge(given(0ms), at(0ms)), Verdict::obey);
   const auto one_hour = std::int64_t{3600} * 1'000'000'000;
-  Timestamps now = at(50ms);
-  now.wall_ns -= one_hour;
   auto command = given(50ms);
   command.stamp_ns -= one_hour;
-  EXPECT_EQ(filter.judge(command, now), Verdict::older);
-  now.monotonic += 200ms;
-  command.stamp_ns = now.wall_ns;
-  EXPECT_EQ(filter.judge(command, now), Verdict::obey);
+  command.valid_for_us = 4'000'000'000;
+  EXPECT_EQ(filter.judge(command, at(50ms)), Verdict::older);
+  EXPECT_EQ(filter.judge(command, at(200ms)), Verdict::obey);
 }
 
 TEST_F(CommandFilterTest, HandlesEveryStampAndValidity) {

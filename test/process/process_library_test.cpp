@@ -92,6 +92,29 @@ TEST(WallClock, KeepsTheDistancesOfItsInstants) {
   for (const auto later : {1ns, 1000ns, 999999999ns}) EXPECT_EQ(clock.at(now + later) - first, later.count());
 }
 
+TEST(WallClock, KnowsTheAgeOfItsStamps) {
+  WallClock clock;
+  const auto now = WallClock::Steady::now();
+  EXPECT_EQ(clock.age_of(clock.at(now), now + 5ms), 5ms);
+  EXPECT_EQ(clock.age_of(clock.at(now), now - 5ms), -5ms);
+}
+
+// Each with the drift of a clock that is slewed.
+TEST(WallOffset, AsksTheFormerClockForASecondAfterAStep) {
+  WallOffset wall;
+  wall.set(1000, 0ns);
+  wall.set(1999, 1s);
+  EXPECT_EQ(wall.age_of(wall.stamp_of(1s), 3s), 2s) << "no step";
+  const std::int64_t before = wall.stamp_of(3s);
+  for (const std::int64_t step : {3'600'000'000'000, -3'600'000'000'000}) {
+    WallOffset stepped = wall;
+    stepped.set(1999 + step, 3s);
+    EXPECT_EQ(stepped.age_of(before, 3s + 1ms), 1ms);
+    EXPECT_EQ(stepped.age_of(stepped.stamp_of(3s), 3s + 2ms), 2ms);
+    EXPECT_EQ(stepped.age_of(before, 4s), 1s + std::chrono::nanoseconds(step)) << "long after it";
+  }
+}
+
 TEST(Spawn, TellsHowAProgramEnded) {
   EXPECT_TRUE(ended(started({"true"})).clean);
   EXPECT_EQ(ended(started({"sh", "-c", "exit 3"})).text, "exit 3");

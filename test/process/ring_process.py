@@ -12,7 +12,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
 from live_ring import built  # noqa: E402,F401
-from limb_ring import HostPort, HostPortError  # noqa: E402
+from limb_ring import HostPort, HostPortError, _client  # noqa: E402
 from limb_ring.launcher import Launcher, free_udp_ports, plain_nodes  # noqa: E402,F401
 from limb_ring.processes import is_gone, process_state  # noqa: E402,F401
 
@@ -34,6 +34,9 @@ class RingTest(unittest.TestCase):
     def setUp(self):
         self.launcher = Launcher(PROGRAMS, prefix='ring_')
         self.folder, self.environment = self.launcher.folder, self.launcher.environment
+        # Of CPUs in Python, whatever shell this was started from.
+        library = os.path.dirname(os.path.dirname(_client.__file__))
+        self.environment['PYTHONPATH'] = os.pathsep.join([library, *filter(None, [os.environ.get('PYTHONPATH')])])
         self.ring = 'r%d' % random.randrange(10 ** 9)
         self.addCleanup(self._clean_up)
 

@@ -23,27 +23,27 @@ const char* to_string(Verdict verdict) {
 }
 
 Verdict CommandFilter::judge(const payload::JointCommand& command, const Timestamps& now) {
-  const std::int64_t age = now.wall_ns - command.stamp_ns;  // both are >= 0: no overflow
-  const std::int64_t valid_for = std::int64_t{command.valid_for_us} * 1000;
+  wall_.set(now.wall_ns - now.monotonic.count(), now.monotonic);
+  const nanoseconds age = wall_.age_of(command.stamp_ns, now.monotonic);
+  const nanoseconds valid_for = std::chrono::microseconds(command.valid_for_us);
   if (age > valid_for) return Verdict::expired;
   if (age < -valid_for) return Verdict::early;
-  if (is_older(command, now.monotonic)) return Verdict::older;
-  if (held_by_stop(command, now)) return Verdict::stopped;
-  last_ = Obeyed{command.stamp_ns, command.sequence, now.monotonic};
+  const nanoseconds given = now.monotonic - age;
+  if (is_older(command, given, now.monotonic)) return Verdict::older;
+  if (stopped_at_ && (!command.resume || given <= *stopped_at_)) return Verdict::stopped;
+  last_ = Obeyed{command.stamp_ns, given, command.sequence, now.monotonic};
   stopped_at_.reset();
   return Verdict::obey;
 }
 
-bool CommandFilter::is_older(const payload::JointCommand& command, nanoseconds now) const {
+bool CommandFilter::is_older(const payload::JointCommand& command, nanoseconds given, nanoseconds now) const {
   if (!last_ || now - last_->at >= memory_) return false;
-  if (command.stamp_ns != last_->stamp_ns) return command.stamp_ns < last_->stamp_ns;
+  // The stamps themselves say which is later; only across a step of the clock the instants do.
+  const nanoseconds by_stamp(command.stamp_ns - last_->stamp_ns), by_instant = given - last_->given;
+  const bool stepped = std::chrono::abs(by_stamp - by_instant) >= process::WallOffset::kStep;
+  const nanoseconds later = stepped ? by_instant : by_stamp;
+  if (later.count() != 0) return later.count() < 0;
   return static_cast<std::int16_t>(command.sequence - last_->sequence) <= 0;
-}
-
-bool CommandFilter::held_by_stop(const payload::JointCommand& command, const Timestamps& now) const {
-  if (!stopped_at_) return false;
-  const nanoseconds given_at = now.monotonic - nanoseconds(now.wall_ns - command.stamp_ns);
-  return !command.resume || given_at <= *stopped_at_;
 }
 
 }  // namespace limb_ring::firmware

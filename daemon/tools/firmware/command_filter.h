@@ -6,6 +6,7 @@
 
 #include "limb_ring/payload/joint_command.h"
 #include "tools/firmware/timestamps.h"
+#include "io/wall_clock.h"
 
 namespace limb_ring::firmware {
 
@@ -24,10 +25,10 @@ const char* to_string(Verdict verdict);
 
 /// Lets a command through only where it may be acted on now (ours, protocol.md section 9.1).
 ///
-/// Stamps are compared by wall clock, the only one that the nodes share. Order is by stamp, then
-/// by sequence: a commander that restarts counts from 0, but its stamps go on. The order is
-/// remembered for `memory` only, so that a wall clock set back does not lock commands out; beyond
-/// that, expiry alone protects.
+/// Stamps are of the wall clock, the only one that nodes of several hosts share. Here each becomes an instant of the
+/// monotonic clock, so that a step of this host's wall clock changes nothing. Order is by that instant, then by
+/// sequence: a commander that restarts counts from 0, but its stamps go on. The order is remembered for `memory` only,
+/// so that another host's wall clock that is set back does not lock commands out; beyond that, expiry alone protects.
 class CommandFilter {
  public:
   explicit CommandFilter(nanoseconds memory) : memory_(memory) {}
@@ -41,12 +42,14 @@ class CommandFilter {
  private:
   struct Obeyed {
     std::int64_t stamp_ns;
+    nanoseconds given;
     std::uint16_t sequence;
     nanoseconds at;
   };
 
-  bool is_older(const payload::JointCommand& command, nanoseconds now) const;
-  bool held_by_stop(const payload::JointCommand& command, const Timestamps& now) const;
+  bool is_older(const payload::JointCommand& command, nanoseconds given, nanoseconds now) const;
+
+  process::WallOffset wall_;
 
   nanoseconds memory_;
   std::optional<Obeyed> last_;
