@@ -5,16 +5,64 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "limb_ring/host_port.h"
 #include "ros_bridge/ros_clock.h"
+#include "ros_bridge/throttle.h"
 
 namespace limb_ring::bridge {
+
+/// What each `/clock` means for a ring that follows it. Times in ns; no IO. (ours)
+///
+/// A `/clock` that is earlier than the one before by less than kJump is noise, or late: the ring waits until `/clock`
+/// is later than ever. If each step back were a jump, each step forward after it would give the ring time anew.
+class OuterTime {
+ public:
+  static constexpr std::int64_t kJump = 1'000'000'000;
+
+  struct Step {
+    std::int64_t former_ns;   ///< of `/clock`, as allowed before
+    std::int64_t time_ns;     ///< of `/clock`
+    std::int64_t zero_ns;     ///< what `/clock` shows at 0 of the ring's
+    std::int64_t reached_ns;  ///< of the ring's time, as allowed before
+    bool begins, jumped_back;
+    std::int64_t until_ns() const { return time_ns - zero_ns; }
+  };
+
+  /// Nothing if the ring's time is to stay as it is.
+  std::optional<Step> next(std::int64_t time_ns) const;
+  /// The daemon has allowed that.
+  void allowed(const Step& step);
+  bool has_begun() const { return zero_ns_.has_value(); }
+  /// Of a ring that has been allowed so much before us; 0: it begins anew.
+  void take_over(std::int64_t zero_ns, std::int64_t allowed_ns);
+
+ private:
+  std::optional<std::int64_t> zero_ns_;  ///< of `/clock`, where the ring's is 0
+  std::int64_t last_ns_ = 0;             ///< of `/clock`, as passed on
+};
+
+/// Whose `/clock` is followed: that of whoever is heard first, until it has said nothing for kSilent. Two that publish
+/// at once would be a clock that jumps to and fro.
+class ClockPublisher {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::seconds kSilent{2};
+
+  bool is(const std::string& node, Clock::time_point now = Clock::now());
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+  Clock::time_point heard_{};
+};
 
 /// Lets the time of a virtual ring (`ringctl up --clock follow`) go on as far as `/clock`, which somebody else
 /// publishes (Gazebo, rosbag play --clock). The first `/clock` that is heard is 0 of the ring's clock. While `/clock`
@@ -28,7 +76,8 @@ class ClockFollower {
   ClockFollower& operator=(const ClockFollower&) = delete;
 
  private:
-  void on_clock(const rosgraph_msgs::Clock& message);
+  using Event = ros::MessageEvent<rosgraph_msgs::Clock const>;
+  void on_clock(const Event& event);
   void run();
   /// Waits for a `/clock` that has not been passed on yet, in ns; nothing when this object is being destroyed.
   std::optional<std::int64_t> await_time();
@@ -39,8 +88,9 @@ class ClockFollower {
 
   ConnectOptions daemon_;
   RosClock& clock_;
-  std::optional<std::int64_t> zero_ns_;  ///< of `/clock`, where the ring's is 0
-  std::int64_t last_ns_ = 0;             ///< of `/clock`, as passed on
+  OuterTime outer_;
+  Throttle jumps_{std::chrono::seconds(10)}, others_{std::chrono::seconds(10)};
+  ClockPublisher publisher_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<std::int64_t> newest_ns_;

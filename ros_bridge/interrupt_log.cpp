@@ -7,8 +7,7 @@ std::optional<std::string> InterruptLog::take(const Interrupt& interrupt, Thrott
   const auto held_back = (is_stop ? stops_ : notifies_).allow(now);
   if (!held_back) return std::nullopt;
   return "INT" + std::to_string(interrupt.factor) + " from node " + ring_.name_of(interrupt.source) +
-         (is_stop ? ": stop" : ": notify") +
-         (*held_back == 0 ? "" : "; " + std::to_string(*held_back) + " more since the last such line");
+         (is_stop ? ": stop" : ": notify") + and_more(*held_back);
 }
 
 }  // namespace limb_ring::bridge

@@ -14,7 +14,8 @@ PromisesOut::PromisesOut(const config::RingConfig& ring, const ConnectOptions& d
     : watch_({ring.ring, ring.node_ids(), ring.folds_back(), daemon.runtime},
              [this](const promises::Breach& breach) {
                const std::string what = std::string(to_string(breach.promise)) + ": " + breach.what;
-               ROS_ERROR("promise broken at node %u: %s", breach.node, what.c_str());
+               if (const auto held_back = told_.allow())
+                 ROS_ERROR("promise broken at node %u: %s%s", breach.node, what.c_str(), and_more(*held_back).c_str());
                std::lock_guard<std::mutex> lock(mutex_);
                last_ = what;
              }),

@@ -10,6 +10,7 @@
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
 #include "ring/promise_watch.h"
+#include "ros_bridge/throttle.h"
 
 namespace limb_ring::bridge {
 
@@ -27,7 +28,8 @@ class PromisesOut {
  private:
   void run();
 
-  live::PromiseWatch watch_;  // its thread's alone
+  Throttle told_{std::chrono::seconds(1)};  // the thread's alone, as the next
+  live::PromiseWatch watch_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace limb_ring::bridge {
@@ -29,5 +30,10 @@ class Throttle {
   Clock::time_point next_{};
   std::uint64_t held_back_ = 0;
 };
+
+/// "; 41 more since the last such line": the end of a line that was let through; "" where nothing was held back.
+inline std::string and_more(std::uint64_t held_back) {
+  return held_back == 0 ? "" : "; " + std::to_string(held_back) + " more since the last such line";
+}
 
 }  // namespace limb_ring::bridge

@@ -44,10 +44,8 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
 void TopicIn::warn_too_large(std::size_t bytes) {
   const auto held_back = too_large_.allow();
   if (!held_back) return;
-  ROS_WARN(
-      "topic '%s': a message of %zu bytes was not sent, the largest that crosses the ring has %zu%s",
-      topic_.input.c_str(), bytes, TopicSender::kLargest,
-      *held_back == 0 ? "" : ("; nor were " + std::to_string(*held_back) + " more since the last such line").c_str());
+  ROS_WARN("topic '%s': a message of %zu bytes was not sent, the largest that crosses the ring has %zu%s",
+           topic_.input.c_str(), bytes, TopicSender::kLargest, and_more(*held_back).c_str());
 }
 
 void TopicIn::look(unsigned published) {
