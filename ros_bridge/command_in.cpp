@@ -38,6 +38,7 @@ void CommandIn::on_command(const std::string& topic, const Event& event) {
   try {
     auto split = split_command(*message, joints_);
     if (!split.unknown.empty()) warn_unknown(topic, split.unknown);
+    if (!split.not_given.empty()) warn_not_given(topic, split.not_given);
     const bool posted = port_.post([this, parts = std::move(split.parts), came = RingPort::Clock::now(),
                                     heard = Heard{topic, event.getPublisherName(), message->header.stamp}]() mutable {
       heard_(heard);
@@ -68,6 +69,13 @@ void CommandIn::warn_unknown(const std::string& topic, const std::vector<std::st
       ROS_WARN("%s: joint '%s' is refused: it has no motor and follows '%s', which can be commanded", topic.c_str(),
                name.c_str(), leader.c_str());
   }
+}
+
+void CommandIn::warn_not_given(const std::string& topic, const std::vector<std::string>& names) {
+  counters_.lose("commands_not_given", names.size());
+  if (const auto held_back = not_given_.allow())
+    ROS_WARN("%s: joint '%s' is named and not commanded: all that is said of it is NaN%s", topic.c_str(),
+             names.front().c_str(), and_more(*held_back).c_str());
 }
 
 bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {

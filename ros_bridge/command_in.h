@@ -48,6 +48,7 @@ class CommandIn {
   /// @param came by the steady clock
   void stamp(payload::JointCommand& command, RingPort::Clock::time_point came);
   void warn_unknown(const std::string& topic, const std::vector<std::string>& names);
+  void warn_not_given(const std::string& topic, const std::vector<std::string>& names);
 
   JointMap joints_;
   std::uint32_t valid_for_us_;
@@ -55,7 +56,7 @@ class CommandIn {
   Counters& counters_;
   CommandSender sender_;  ///< ring thread only
   std::set<std::string> warned_;
-  Throttle refusal_{std::chrono::seconds(1)};
+  Throttle refusal_{std::chrono::seconds(1)}, not_given_{std::chrono::seconds(1)};
   std::function<void(const Heard&)> heard_ = [](const Heard&) {};
   DirectQueue at_once_;
   std::map<std::string, ros::Subscriber> subscribers_;  ///< by topic

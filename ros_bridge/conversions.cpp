@@ -1,6 +1,7 @@
 #include "ros_bridge/conversions.h"
 
 #include <cmath>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -11,20 +12,15 @@ namespace {
 
 using Values = std::vector<double>;
 
-/// A NaN has a sign, which says nothing to a reader.
-std::string not_finite(double value) {
-  if (std::isnan(value)) return "NaN";
-  return value > 0 ? "infinity" : "minus infinity";
-}
-
 void check_array(const char* name, const Values& values, const std::vector<std::string>& joints) {
   if (!values.empty() && values.size() != joints.size())
     throw std::invalid_argument(std::string("'") + name + "' has " + std::to_string(values.size()) + " entries for " +
                                 std::to_string(joints.size()) + " names; it must be empty or have one for each name");
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]))
+    if (std::isinf(values[i]))
       throw std::invalid_argument(std::string("'") + name + "' of joint '" + config::printable(joints[i]) + "' is " +
-                                  not_finite(values[i]) + "; it must be a finite number");
+                                  (values[i] > 0 ? "" : "minus ") +
+                                  "infinity; it must be a finite number, or NaN where it is not given");
 }
 
 void check(const sensor_msgs::JointState& message) {
@@ -41,12 +37,12 @@ void check(const sensor_msgs::JointState& message) {
       throw std::invalid_argument("joint '" + config::printable(name) + "' is named twice");
 }
 
+std::optional<double> given(const Values& values, std::size_t i) {
+  return values.empty() || std::isnan(values[i]) ? std::nullopt : std::optional(values[i]);
+}
+
 payload::JointCommand::Joint joint_at(const sensor_msgs::JointState& message, std::size_t i) {
-  payload::JointCommand::Joint joint;
-  if (!message.position.empty()) joint.position = message.position[i];
-  if (!message.velocity.empty()) joint.velocity = message.velocity[i];
-  if (!message.effort.empty()) joint.effort = message.effort[i];
-  return joint;
+  return {given(message.position, i), given(message.velocity, i), given(message.effort, i)};
 }
 
 geometry_msgs::Vector3 to_vector(const std::array<double, 3>& v) {
@@ -69,9 +65,14 @@ CommandSplit split_command(const sensor_msgs::JointState& message, const JointMa
       split.unknown.push_back(config::printable(message.name[i]));
       continue;
     }
+    const auto joint = joint_at(message, i);
+    if (!joint.position && !joint.velocity && !joint.effort) {
+      split.not_given.push_back(message.name[i]);
+      continue;
+    }
     auto& list = commands[place->node].joints;
     list.resize(joints.joints(place->node));
-    list[place->joint] = joint_at(message, i);
+    list[place->joint] = joint;
   }
   for (std::size_t node = 0; node < commands.size(); ++node)
     if (!commands[node].joints.empty()) split.parts.push_back({joints.id(node), std::move(commands[node])});

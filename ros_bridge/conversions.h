@@ -21,13 +21,15 @@ struct CommandSplit {
     std::uint8_t node;  ///< id
     payload::JointCommand command;
   };
-  std::vector<Part> parts;           ///< in ring order, nodes with a commanded joint only
-  std::vector<std::string> unknown;  ///< joints that no node owns, fit to be printed
+  std::vector<Part> parts;             ///< in ring order, nodes with a commanded joint only
+  std::vector<std::string> unknown;    ///< joints that no node owns, fit to be printed
+  std::vector<std::string> not_given;  ///< joints of ours that are named, and all that is said of them is NaN
 };
 
 /// Stamp, sequence and validity are left for the sender to set: ROS time may be simulated.
+/// A value that is NaN counts as not given, as ros_control has it: the others are obeyed.
 /// @throw std::invalid_argument where nothing of it may be obeyed: no names, an array that is
-///        neither empty nor as long as `name`, a value that is not finite, a joint named twice.
+///        neither empty nor as long as `name`, a value that is infinite, a joint named twice.
 CommandSplit split_command(const sensor_msgs::JointState& message, const JointMap& joints);
 
 sensor_msgs::JointState to_joint_state(const std::vector<JointStore::Joint>& joints, ros::Time stamp);

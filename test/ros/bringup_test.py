@@ -65,7 +65,7 @@ class Bringup(unittest.TestCase):
         timer = self.command(['l_elbow', 'r_elbow'], [1.0])
         wait_for(lambda: self.ring.counter('commands_refused') > before, 'the refusal counted')
         timer.shutdown()
-        timer = self.command(['l_elbow'], [float('nan')])
+        timer = self.command(['l_elbow'], [float('inf')])
         before = self.ring.counter('commands_refused') + 1
         wait_for(lambda: self.ring.counter('commands_refused') > before, 'the refusal counted')
         timer.shutdown()
