@@ -1,12 +1,17 @@
 #include "ros_bridge/ros_links.h"
 
+#include <ros/init.h>
 #include <ros/master.h>
 #include <ros/network.h>
 #include <ros/this_node.h>
+#include <ros/xmlrpc_manager.h>
 #include <xmlrpcpp/XmlRpc.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <thread>
+#include <vector>
 
 #include "ros_bridge/master_state.h"
 
@@ -21,6 +26,7 @@ using RosNodes = MasterState::Nodes;
 constexpr auto kLinksAnswer = 500ms;
 constexpr auto kSubscribesWithin = 1s;
 constexpr double kLinksLook = 0.01;
+constexpr auto kUnlinkedLook = 10ms;  // a node tells nobody that it has noticed the end of a connection
 
 /// A call that ends: XmlRpcClient's own waits for as long as the other end takes.
 class TimedCall : public XmlRpc::XmlRpcClient {
@@ -47,8 +53,14 @@ RosNodes without_this(RosNodes nodes) {
   return nodes;
 }
 
-/// The nodes at the other end of what a node publishes on a topic, as it says itself; nothing where it does not answer.
-std::optional<RosNodes> nodes_reached_by(const std::string& node, const std::string& topic) {
+/// One connection of a node, as it says itself.
+struct Link {
+  std::string other;  ///< of one that goes out: the node that hears it; of one that comes in: the publisher's URI
+  std::string direction, topic;
+};
+
+/// Nothing where the node does not answer.
+std::optional<std::vector<Link>> links_of(const std::string& node) {
   XmlRpcValue request, uri, own, answer;
   request[0] = ros::this_node::getName();
   request[1] = node;
@@ -58,13 +70,31 @@ std::optional<RosNodes> nodes_reached_by(const std::string& node, const std::str
   own[0] = ros::this_node::getName();
   TimedCall call(host.c_str(), static_cast<int>(port), "/");
   if (!call.get("getBusInfo", own, answer)) return {};
-  XmlRpcValue links = answer[2];  // [[connection, node, "o", transport, topic, ...] ...]
-  RosNodes nodes;
+  XmlRpcValue links = answer[2];  // [[connection, node or URI, "o" or "i", transport, topic, ...] ...]
+  std::vector<Link> all;
   for (int i = 0; i < links.size(); ++i)
-    if (links[i].size() > 4 && links[i][1].getType() == XmlRpcValue::TypeString && std::string(links[i][2]) == "o" &&
-        std::string(links[i][4]) == topic)
-      nodes.insert(std::string(links[i][1]));
+    if (links[i].size() > 4 && links[i][1].getType() == XmlRpcValue::TypeString)
+      all.push_back({std::string(links[i][1]), std::string(links[i][2]), std::string(links[i][4])});
+  return all;
+}
+
+/// The nodes at the other end of what a node publishes on a topic; nothing where it does not answer.
+std::optional<RosNodes> nodes_reached_by(const std::string& node, const std::string& topic) {
+  const auto links = links_of(node);
+  if (!links) return {};
+  RosNodes nodes;
+  for (const Link& link : *links)
+    if (link.direction == "o" && link.topic == topic) nodes.insert(link.other);
   return nodes;
+}
+
+/// A node that does not answer is no reason to wait.
+bool hears_us(const std::string& node, const std::string& topic) {
+  const auto links = links_of(node).value_or(std::vector<Link>{});
+  const std::string own = ros::XMLRPCManager::instance()->getServerURI();
+  return std::any_of(links.begin(), links.end(), [&](const Link& link) {
+    return link.direction == "i" && link.topic == topic && link.other == own;
+  });
 }
 
 }  // namespace
@@ -89,6 +119,15 @@ bool RosLinks::answers_arrive(const std::string& heard, const std::string& answe
     ++there;
   }
   return there != 0;
+}
+
+void await_unlinked(const std::string& topic, std::chrono::milliseconds patience) {
+  const auto deadline = steady_clock::now() + patience;
+  const auto state = master_state();
+  if (!state) return;
+  for (const std::string& node : without_this(MasterState::of(state->subscribers, topic)))
+    while (ros::ok() && steady_clock::now() < deadline && hears_us(node, topic))
+      std::this_thread::sleep_for(kUnlinkedLook);
 }
 
 }  // namespace limb_ring::bridge

@@ -21,4 +21,9 @@ class RosLinks {
   std::map<std::string, std::chrono::steady_clock::time_point> seen_;  ///< by node: since when without a subscription
 };
 
+/// Waits until no other node has a connection on which this one published a topic, which has ended: a rospy subscriber
+/// that learns of a new publisher before it has noticed the end of the old one would never connect again. At most for
+/// `patience`.
+void await_unlinked(const std::string& topic, std::chrono::milliseconds patience);
+
 }  // namespace limb_ring::bridge

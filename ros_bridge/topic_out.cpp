@@ -5,12 +5,14 @@
 #include <utility>
 
 #include "limb_ring/payload/packet_type.h"
+#include "ros_bridge/ros_links.h"
 #include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
 namespace {
 
 constexpr std::chrono::seconds kToAdvertise{1};
+constexpr std::chrono::seconds kUnlinkedWithin{3};  // so long a callback of a subscriber may take
 
 topic_tools::ShapeShifter shape_of(const payload::Announcement& type) {
   topic_tools::ShapeShifter shape;
@@ -59,7 +61,10 @@ void TopicOut::on_announced(Output& output, const payload::Announcement& type) {
 void TopicOut::advertise(Output& output, ros::Publisher before) {
   output.is_advertising = true;
   advertiser_.post([this, &output, before, type = *output.type]() mutable {
-    before.shutdown();
+    if (before) {
+      before.shutdown();
+      await_unlinked(nodes_.resolveName(output.topic.output), kUnlinkedWithin);
+    }
     ros::Publisher publisher = shape_of(type).advertise(nodes_, output.topic.output, output.topic.queue, type.latching);
     {
       std::lock_guard<std::mutex> lock(mutex_);

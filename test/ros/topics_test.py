@@ -2,6 +2,7 @@
 """Topics of any type cross the ring from one bridge to another, byte for byte."""
 import itertools
 import random
+import time
 import unittest
 
 import rosgraph
@@ -78,6 +79,23 @@ class Topics(unittest.TestCase):
             self.assertEqual(wait_for(is_through, message._type + ' across')[0]._buff, serialized(message))
             there.unregister()
             received.unregister()
+
+    def test_a_subscriber_that_is_busy_while_the_type_changes_hears_the_new_type(self):
+        heard = []
+
+        def slowly(message):
+            heard.append(message._connection_header['md5sum'])
+            time.sleep(0.5)   # meanwhile rospy does not notice the end of its connection
+        subscriber = rospy.Subscriber('/head/wrench_there', rospy.AnyMsg, slowly)
+        self.addCleanup(subscriber.unregister)
+        for message in String('text'), Int32(5), String('text again'):
+            there = publisher_across('/body/wrench', type(message))
+
+            def is_through():
+                there.publish(message)
+                return heard and heard[-1] == message._md5sum
+            wait_for(is_through, message._type + ' across')
+            there.unregister()
 
     def test_a_publisher_that_died_without_a_word_is_warned_of(self):
         said = self.lines_of_the_bridge()
