@@ -7,20 +7,21 @@
 namespace limb_ring::bridge {
 namespace {
 
+constexpr std::chrono::seconds kAbsence{10}, kAbsenceAgain{60};
+constexpr const char* kEndedInOrder = "ringd has ended";  // as ringd says it
+
 // Ten times per alive_period of the bridge.
 const ros::WallDuration kAlive{0.1};
 
 /// So that nobody who sends a stop waits for this CPU to say that it has stopped. (docs/reference/requests.md)
 constexpr const char* kLatchesNoStop = R"({"do": "stop_latched", "latched": "never"})";
 
-void tell_connection(const ConnectOptions& daemon, const std::string& problem) {
-  if (!problem.empty())
-    ROS_WARN("node '%s': %s (trying again)", daemon.node.c_str(), problem.c_str());
-  else if (daemon.role == Role::cpu)
+void tell_connected(const ConnectOptions& daemon) {
+  if (daemon.role == Role::cpu)
     ROS_INFO("connected to ringd of node '%s' as its CPU", daemon.node.c_str());
   else
-    ROS_WARN(
-        "connected to ringd of node '%s', but no node of ring %s has 'cpu: attached': there are status, events "
+    ROS_INFO(
+        "connected to ringd of node '%s'; no node of ring %s has 'cpu: attached', so there are status, events "
         "and services, but no joint data and no topics",
         daemon.node.c_str(), daemon.ring.c_str());
 }
@@ -48,10 +49,12 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       interrupts_(parameters_.ring),
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.daemon, port_, commands_)) {
   make_topics();
-  port_.on_connection([daemon = parameters_.daemon](const auto& problem) { tell_connection(daemon, problem); });
+  port_.on_connection([this](const std::string& problem) { tell_connection(problem); });
   port_.on_connection([this](const std::string& problem) {
     if (problem.empty() && parameters_.daemon.role == Role::cpu) port_.request(kLatchesNoStop);
-    if (problem.empty() && ros::Time::isSimTime() && !parameters_.follows && !port_.in_lockstep())
+    // As a tool it does not know whether the ring is virtual.
+    if (problem.empty() && parameters_.daemon.role == Role::cpu && ros::Time::isSimTime() && !parameters_.follows &&
+        !port_.in_lockstep())
       ROS_WARN(
           "/use_sim_time is set, but this ring is live: it and its stamps go by the machine's clock, not by /clock");
   });
@@ -66,7 +69,10 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
   port_.start();
   status_.start();
   // Called by the thread that serves ROS, because the sign of life is about this thread.
-  alive_ = nodes_.createWallTimer(kAlive, [this](const ros::WallTimerEvent&) { port_.alive(); });
+  alive_ = nodes_.createSteadyTimer(kAlive, [this](const ros::SteadyTimerEvent&) {
+    port_.alive();
+    warn_of_absence();
+  });
 }
 
 // Services first: their calls under way still need the ring. Then the ring thread, before what it calls into.
@@ -86,6 +92,36 @@ void Bridge::make_topics() {
   publishers_.emplace(nodes_, topics_in_);
 }
 
+/// A daemon that is not there yet, or that has ended in order, is nothing to be warned of unless it stays away.
+void Bridge::tell_connection(const std::string& problem) {
+  std::lock_guard<std::mutex> lock(absence_mutex_);
+  const bool was_connected = !absent_since_;
+  absence_ = problem;
+  if (problem.empty()) {
+    absent_since_.reset();
+    told_waiting_ = true;
+    return tell_connected(parameters_.daemon);
+  }
+  if (was_connected || !told_waiting_) absent_since_ = RingPort::Clock::now();
+  const char* node = parameters_.daemon.node.c_str();
+  if (!std::exchange(told_waiting_, true)) {
+    ROS_INFO("waiting for ringd of node '%s'", node);
+    return;
+  }
+  if (!was_connected) return;
+  if (problem.find(kEndedInOrder) != std::string::npos)
+    ROS_INFO("node '%s': %s; waiting for the next one", node, problem.c_str());
+  else
+    ROS_WARN("node '%s': %s (trying again)", node, problem.c_str());
+}
+
+void Bridge::warn_of_absence() {
+  std::lock_guard<std::mutex> lock(absence_mutex_);
+  if (!absent_since_ || RingPort::Clock::now() - *absent_since_ < kAbsence) return;
+  absent_since_ = RingPort::Clock::now() + kAbsenceAgain - kAbsence;
+  ROS_WARN("node '%s': %s (trying again)", parameters_.daemon.node.c_str(), absence_.c_str());
+}
+
 void Bridge::tell_interrupt(const Interrupt& interrupt) {
   counters_.add("interrupts_in");
   const auto line = interrupts_.take(interrupt);
@@ -97,7 +133,7 @@ void Bridge::tell_interrupt(const Interrupt& interrupt) {
 }
 
 void Bridge::tell_time(std::chrono::nanoseconds now) {
-  if (!clock_) clock_ = nodes_.advertise<rosgraph_msgs::Clock>("/clock", 100);
+  if (!clock_) clock_ = nodes_.advertise<rosgraph_msgs::Clock>("/clock", 100, /*latch=*/true);  // it may stand for long
   rosgraph_msgs::Clock message;
   message.clock.fromNSec(static_cast<std::uint64_t>(now.count()));
   clock_.publish(message);

@@ -36,6 +36,8 @@ class Bridge {
 
  private:
   void make_topics();
+  void tell_connection(const std::string& problem);
+  void warn_of_absence();
   void tell_interrupt(const Interrupt& interrupt);
   void tell_time(std::chrono::nanoseconds now);
   void on_boot(std::uint8_t node);
@@ -57,7 +59,11 @@ class Bridge {
   FramesOut frames_;
   InterruptLog interrupts_;  ///< ring thread
   std::unique_ptr<Services> services_;
-  ros::WallTimer alive_;
+  std::mutex absence_mutex_;
+  std::string absence_;  ///< why the daemon is not connected
+  std::optional<RingPort::Clock::time_point> absent_since_;
+  bool told_waiting_ = false;
+  ros::SteadyTimer alive_;
   ros::Publisher clock_;  ///< ring thread
   std::optional<ClockFollower> follower_;
 };

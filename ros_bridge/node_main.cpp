@@ -2,6 +2,7 @@
 
 #include <ros/ros.h>
 
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <iostream>
@@ -28,6 +29,12 @@ bool asks_for_help(int argc, char** argv) {
 int complain(const std::exception& error, int code) {
   ROS_FATAL("%s", error.what());
   return code;
+}
+
+/// roscpp ends a node in order at SIGINT alone. What nohup has ignored stays so.
+void end_in_order_when_asked() {
+  for (const int signal : {SIGTERM, SIGHUP})
+    if (std::signal(signal, [](int) { ros::requestShutdown(); }) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
 /// Two nodes of one name would end each other for ever: the master ends the older one, and whatever restarts that one
@@ -79,6 +86,7 @@ int run_node(int argc, char** argv, const NodeProgram& program) {
     std::cerr << program.name << ": " << error.what() << std::endl;
     return 2;
   }
+  end_in_order_when_asked();
   if (argc > 1) {
     std::cerr << program.name << ": unknown argument '" << argv[1] << "'; see " << program.name << " --help\n";
     return 2;

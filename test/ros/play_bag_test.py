@@ -10,6 +10,7 @@ import rosgraph
 import rospkg
 import rospy
 import rostest
+from limb_ring.msg import NodeStatus, RingStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
@@ -98,6 +99,18 @@ class PlayBag(unittest.TestCase):
         commands.wait(lambda _: True, 'a command')
         wait_for(lambda: not self.played(), 'the end of the bag')
         self.assertIsNone(staying.poll())
+
+    def test_waits_for_the_ring_where_it_is_told_to(self):
+        commands = Newest('joint_commands', JointState)
+        ring = rospy.Publisher('ring_status', RingStatus, queue_size=1, latch=True)
+        self.addCleanup(ring.unregister)
+        ring.publish(RingStatus(nodes=[NodeStatus(name='knee', state='joining')]))
+        self.play('--await-ring', self.bag, '--loop')
+        wait_for(lambda: ring.get_num_connections() > 0, 'it to wait')
+        ring.publish(RingStatus(nodes=[NodeStatus(name='knee', state='up')], silent_joints=['b']))
+        self.assertEqual((self.played(), commands.get()), (set(), None))
+        ring.publish(RingStatus(nodes=[NodeStatus(name='knee', state='up')]))
+        self.assertEqual(commands.wait(lambda _: True, 'a command').name, ['b'])
 
     def test_a_bag_with_nothing_for_the_ring_is_an_error_that_names_both(self):
         with rosbag.Bag(self.bag, 'w') as bag:

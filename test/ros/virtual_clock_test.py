@@ -61,6 +61,14 @@ class VirtualClock(unittest.TestCase):
         before = clock.get().clock
         wait_for(lambda: (clock.get().clock - before).to_sec() > 1, 'time that goes on without a controller')
 
+    def test_who_comes_while_the_clock_stands_is_told_the_time(self):
+        ringctl = ['rosrun', 'limb_ring', 'ringctl', '--ring', rospy.get_param('ring_bridge/ring')]
+        wait_for(lambda: subprocess.call(ringctl + ['clock', 'pause']) == 0, 'the ring')
+        self.addCleanup(subprocess.call, ringctl + ['clock', 'run'])
+        first, late = Newest('/clock', Clock), Newest('/clock', Clock)
+        first.wait(lambda _: True, 'the time that it is')
+        late.wait(lambda clock: clock.clock == first.get().clock, 'the same time')
+
     def test_services_say_that_the_clock_stands(self):
         ringctl = ['rosrun', 'limb_ring', 'ringctl', '--ring', rospy.get_param('ring_bridge/ring')]
         rospy.wait_for_service('reset_node', 30)
