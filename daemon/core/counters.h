@@ -58,10 +58,21 @@ namespace limb_ring::core {
   X(fold_held_dropped, "slice dropped while the first line came back")                                          \
   X(duplicate_id_signs, "sign that another node has this node's id")
 
+/// The last packet that was counted so: whom its header names, which may be damaged.
+struct LastCounted {
+  std::uint8_t source = 0, hop = 0;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("source", source)("hop", hop);
+  }
+};
+
 struct Counters {
 #define LIMB_RING_COUNTER_MEMBER(name, meaning) std::uint64_t name = 0;
   LIMB_RING_COUNTERS(LIMB_RING_COUNTER_MEMBER)
 #undef LIMB_RING_COUNTER_MEMBER
+  LastCounted last_malformed, last_oversize, last_control, last_duplicate;
 
   /// Calls visit(name, meaning, value) for each, in the order above.
   template <class Visit>
@@ -75,6 +86,8 @@ struct Counters {
 #define LIMB_RING_COUNTER_ARCHIVE(name, meaning) a(#name, name);
     LIMB_RING_COUNTERS(LIMB_RING_COUNTER_ARCHIVE)
 #undef LIMB_RING_COUNTER_ARCHIVE
+    a("last_malformed", last_malformed)("last_oversize", last_oversize);
+    a("last_control", last_control)("last_duplicate", last_duplicate);
   }
 };
 

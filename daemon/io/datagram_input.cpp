@@ -168,7 +168,7 @@ bool DatagramInput::is_unsealed(const LinkHeader& header, wire::ByteView& datagr
   Session* session = present(header) ? &session_ : nullptr;
   if (session == nullptr && offer != offers_.end() && offer->second.number == header.session) session = &offer->second;
   if (session == nullptr) {
-    ++report_.counters.datagrams_stale;
+    count_stale(header);
     return false;  // without an answer: who sent it has not proved that it has the key
   }
   const Opener::Verdict verdict = session->opener->open(datagram);
@@ -234,8 +234,13 @@ void DatagramInput::replace(std::uint8_t by) {
   lose("replaced by node " + std::to_string(by));
 }
 
-void DatagramInput::on_stale(const LinkHeader& header, const UdpAddress& sender) {
+void DatagramInput::count_stale(const LinkHeader& header) {
   ++report_.counters.datagrams_stale;
+  report_.counters.last_stale_from = header.sender;
+}
+
+void DatagramInput::on_stale(const LinkHeader& header, const UdpAddress& sender) {
+  count_stale(header);
   if (told_stale_) return;
   told_stale_ = true;
   Session none;

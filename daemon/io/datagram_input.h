@@ -71,6 +71,7 @@ class DatagramInput {
   void accept(const Session& session, std::uint8_t node);
   /// @return false where it has become too late; the sender has been told then
   bool take_up(Session offer, const LinkHeader& header, Time now);
+  void count_stale(const LinkHeader& header);
   void on_stale(const LinkHeader& header, const UdpAddress& sender);
   bool present(const LinkHeader& header) const;
   void gap();

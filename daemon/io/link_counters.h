@@ -65,6 +65,7 @@ namespace limb_ring::link {
 /// Since the start.
 struct InputCounters {
   LIMB_RING_INPUT_COUNTERS(LIMB_RING_LINK_COUNTER_MEMBER)
+  std::uint8_t last_stale_from = 0;  ///< as the last such datagram says
 
   /// Calls visit(name, meaning, value) for each, in the order above.
   template <class Visit>

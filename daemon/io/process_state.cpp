@@ -1,5 +1,6 @@
 #include "io/process_state.h"
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -17,6 +18,18 @@ char state_in(std::istream& stat) {
 char process_state(pid_t pid) {
   std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
   return state_in(stat);
+}
+
+std::optional<std::chrono::nanoseconds> time_not_asleep(pid_t pid) {
+  std::optional<std::chrono::nanoseconds> all;
+  std::error_code gone;
+  for (std::filesystem::directory_iterator task("/proc/" + std::to_string(pid) + "/task", gone), end;
+       !gone && task != end; task.increment(gone)) {
+    std::ifstream file(task->path() / "schedstat");
+    std::int64_t ran = 0, queued = 0;
+    if (file >> ran >> queued) all = all.value_or(std::chrono::nanoseconds(0)) + std::chrono::nanoseconds(ran + queued);
+  }
+  return all;
 }
 
 std::string program_of(pid_t pid) {

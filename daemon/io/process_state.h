@@ -2,7 +2,9 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <iosfwd>
+#include <optional>
 #include <string>
 
 namespace limb_ring::process {
@@ -15,6 +17,10 @@ char state_in(std::istream& stat);
 
 /// Name of the program that it runs, as /proc has it; empty where there is none.
 std::string program_of(pid_t pid);
+
+/// How long its threads have run or have waited for a core, all together; nothing where the kernel does not say. The
+/// rest of the time they slept.
+std::optional<std::chrono::nanoseconds> time_not_asleep(pid_t pid);
 
 inline bool is_stopped(pid_t pid) {
   const char state = process_state(pid);

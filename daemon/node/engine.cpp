@@ -93,6 +93,11 @@ void Engine::say(core::Line line, const std::string& what) {
   listener_.on_link((line == core::Line::second ? "second line: " : "") + what);
 }
 
+void Engine::say_lost(core::Line line, const std::string& what) {
+  last_loss_ = what;
+  say(line, what);
+}
+
 void Engine::on_slice(core::Line line, const wire::Slice& slice) {
   if (!in_batch_) at_ = clock_.now();
   in_batch_ = true;
@@ -111,7 +116,7 @@ void Engine::on_input_up(core::Line line, wire::NodeId from) {
 }
 
 void Engine::on_input_lost(core::Line line, std::string_view reason) {
-  say(line, "input lost: " + std::string(reason));
+  say_lost(line, "input lost: " + std::string(reason));
   if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
   if (line == core::Line::first) input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
   controller_.input_lost(line, now());
@@ -125,7 +130,7 @@ void Engine::on_output_up(core::Line line, wire::NodeId to) {
 }
 
 void Engine::on_output_lost(core::Line line, std::string_view reason) {
-  say(line, "output lost: " + std::string(reason));
+  say_lost(line, "output lost: " + std::string(reason));
   if (tap_ != nullptr) tap_->on_output_gap(clock_.steady(now()));
   controller_.output_lost(line, now());
   pump();

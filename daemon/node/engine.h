@@ -56,6 +56,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   }
   LineBreaker& breaker(core::Line on) override { return line(on).faulty_line(); }
   const LineBreaker& breaker(core::Line on) const override { return line(on).faulty_line(); }
+  std::string last_loss() const override { return last_loss_; }
   core::Time input_lost_at() const override { return input_lost_at_; }
   core::Time broken_since() const override { return broken_since_; }
 
@@ -77,6 +78,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   NodeLine& line(core::Line line) { return lines_[static_cast<std::size_t>(line)]; }
   const NodeLine& line(core::Line line) const { return lines_[static_cast<std::size_t>(line)]; }
   void say(core::Line line, const std::string& what);
+  void say_lost(core::Line line, const std::string& what);
   void round();
   void note(const core::Event& event);
   void write_lines();
@@ -98,6 +100,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   core::Time deadline_{};
   core::Time at_{};
   LineTap* tap_ = nullptr;
+  std::string last_loss_;
   core::Time input_lost_at_{};
   core::Time broken_since_{};
   core::Duration silence_;

@@ -18,6 +18,23 @@ void EventRouter::on_round_end() {
   if (controller.received_waiting() != 0) to_.cpu.hand_over();
   to_.observers.tell_changes(to_.driver);
   to_.lately_damaged.look(to_.driver.now(), to_.driver.controller().counters());
+  if (to_.neighbours.is_due(to_.driver.now())) look_at_neighbours();
+}
+
+void EventRouter::look_at_neighbours() {
+  const core::NetworkController& controller = to_.driver.controller();
+  const core::Membership& membership = controller.membership();
+  NeighbourWatch::Look look{to_.driver.now(),   controller.counters(),  membership.peers(),
+                            membership.state(), membership.ring_size(), to_.driver.ends(core::Line::first).from};
+  for (const core::Line line : core::Lines(to_.driver.has_second_line())) {
+    const link::InputCounters& in = to_.driver.input_counters(line);
+    look.no_slices += in.malformed;
+    look.other_session += in.datagrams_stale;
+    if (in.datagrams_stale != 0) look.other_session_of = in.last_stale_from;
+    look.line_losses += in.losses + to_.driver.output_counters(line).losses;
+  }
+  look.last_loss = to_.driver.last_loss();
+  for (const std::string& text : to_.neighbours.look(look)) spdlog::warn("{}{}", to_.log_prefix, text);
 }
 
 void EventRouter::on_link(std::string_view what) {

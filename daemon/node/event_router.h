@@ -13,6 +13,7 @@
 #include "node/round_trips.h"
 #include "node/send_reason.h"
 #include "node/traffic.h"
+#include "node/neighbour_watch.h"
 
 namespace limb_ring::runtime {
 
@@ -36,6 +37,7 @@ class EventRouter final : public DriverListener {
     RoundTrips& round_trips;
     Observers& observers;
     LatelyDamaged& lately_damaged;
+    NeighbourWatch& neighbours;
   };
   explicit EventRouter(const Receivers& receivers) : to_(receivers) {}
 
@@ -56,6 +58,7 @@ class EventRouter final : public DriverListener {
   void handle(const core::PeerChanged& peer) { to_.interrupts.on_cpu_changed(peer.node); }
   void handle(const core::BeaconHome& beacon) { to_.round_trips.add(beacon.round_trip); }
   void tell_client(host::ClientId client, const core::SendEnded& ended);
+  void look_at_neighbours();
 
   Receivers to_;
   std::uint32_t cpu_boots_ = 0;

@@ -3,8 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
-#include <optional>
+#include <sstream>
 
 #include "io/process_state.h"
 #include "node/cpu_process.h"
@@ -23,6 +24,10 @@ constexpr milliseconds kAwaiting{2};
 /// again, or waits for a time that is over. Time would stand for ever.
 constexpr unsigned kMostTurns = 10'000;
 constexpr milliseconds kRest{1};  ///< of the ring's time
+/// Real time between two looks at who sleeps while time waits for it; how much of it is too much; and how often that is
+/// logged.
+constexpr std::chrono::seconds kSleepLook{2}, kSleepTold{60};
+constexpr double kMostSleep = 0.75;
 
 double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 
@@ -127,6 +132,7 @@ Lockstep::Entry* Lockstep::acting() {
 
 void Lockstep::await_messages() {
   const Instant end = steady_clock::now() + kAwaiting;
+  look_who_sleeps();
   while (Entry* entry = acting())
     if (!await_message_of(*entry) || steady_clock::now() >= end) return;
 }
@@ -134,7 +140,9 @@ void Lockstep::await_messages() {
 /// @return false where it says nothing yet
 bool Lockstep::await_message_of(Entry& entry) {
   auto& [key, program] = entry;
+  const Instant since = steady_clock::now();
   const bool heard = program.session->await_message();
+  program.waited_for += steady_clock::now() - since;
   if (!program.session->open() || !program.session->turn().is_on()) return true;
   const bool stopped = !heard && process::is_stopped(program.session->info().pid);
   if (stopped || steady_clock::now() - program.turn_since >= patience_with(key.first)) gets_stuck(key.first, program);
@@ -166,6 +174,41 @@ void Lockstep::gets_stuck(std::uint8_t node, Program& program) {
       "ring goes on without it",
       config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), patience_with(node).count());
   on_stuck(node, process::program_of(pid) + ", does not answer");
+}
+
+/// Time stands for whoever computes, too; but a sleep in its loop is seen nowhere else: the ring just goes slowly.
+void Lockstep::look_who_sleeps() {
+  const nanoseconds window = steady_clock::now() - looked_;
+  if (window < kSleepLook) return;
+  looked_ += window;
+  for (auto& [key, program] : programs_) judge_sleep(key.first, program, window);
+}
+
+void Lockstep::judge_sleep(std::uint8_t node, Program& program, nanoseconds window) {
+  const nanoseconds waited_for = std::exchange(program.waited_for, nanoseconds{0});
+  const host::ClientInfo& client = program.session->info();
+  const auto not_asleep = process::time_not_asleep(client.pid), before = std::exchange(program.not_asleep, not_asleep);
+  program.holds_time.clear();
+  // A bridge waits for its controllers, and says so itself.
+  if (!not_asleep || !before || client.role != Role::cpu || boots_.is_bridge(node)) return;
+  const double slept = std::chrono::duration<double>(waited_for - (*not_asleep - *before)) / window;
+  if (slept < kMostSleep) return;
+  std::ostringstream text;
+  text << "its CPU (" << process::program_of(client.pid) << ", pid " << client.pid
+       << ") holds the ring's time: it slept "
+       << "for " << std::lround(100 * slept) << " % of the last "
+       << std::lround(std::chrono::duration<double>(window).count())
+       << " s, while time waited for it; it should wait by receive() or sleep_until() of its port, which let time pass";
+  program.holds_time = text.str();
+  if (program.told && steady_clock::now() - *program.told < kSleepTold) return;
+  program.told = steady_clock::now();
+  spdlog::warn("{}: {}", config_.find(node)->name, program.holds_time);
+}
+
+std::string Lockstep::holds_time(std::uint8_t node) const {
+  for (const auto& [key, program] : programs_)
+    if (key.first == node && !program.holds_time.empty()) return program.holds_time;
+  return "";
 }
 
 nanoseconds Lockstep::next_turn(const Program& program) const {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -32,6 +33,7 @@ class Lockstep final : public host::TurnKeeper {
   void has_news() override { news_ = true; }
   void disturbed() override { disturbed_ = true; }
   void credited(std::uint8_t node, unsigned packets) override { on_credited(node, packets); }
+  std::string holds_time(std::uint8_t node) const override;
   /// What is known of the CPU process of a node has changed.
   void cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu);
   /// The node's CPU process was sent a signal. SIGSTOP takes it out of the lockstep at this very instant, SIGCONT
@@ -86,7 +88,11 @@ class Lockstep final : public host::TurnKeeper {
     unsigned turns = 0;                    ///< in that instant
     bool restless = false;                 ///< had too many of them: its turns are kRest apart
     bool stuck = false;
-    bool dies = false;  ///< was sent a signal that ends it
+    bool dies = false;                       ///< was sent a signal that ends it
+    std::chrono::nanoseconds waited_for{0};  ///< real time, since look_who_sleeps() looked last
+    std::optional<std::chrono::nanoseconds> not_asleep = std::nullopt;  ///< of its process, then
+    std::string holds_time = {};                                        ///< how; empty: it does not
+    std::optional<Instant> told = std::nullopt;                         ///< that it does
   };
   using Key = std::pair<std::uint8_t, host::ClientId>;
   using Entry = std::pair<const Key, Program>;
@@ -97,6 +103,8 @@ class Lockstep final : public host::TurnKeeper {
   Entry* acting();
   bool await_message_of(Entry& entry);
   void gets_stuck(std::uint8_t node, Program& program);
+  void look_who_sleeps();
+  void judge_sleep(std::uint8_t node, Program& program, std::chrono::nanoseconds window);
   std::chrono::nanoseconds next_turn(const Program& program) const;
   void begin_turn(std::uint8_t node, Program& program);
   void gets_restless(std::uint8_t node, Program& program);
@@ -108,6 +116,7 @@ class Lockstep final : public host::TurnKeeper {
   std::set<std::uint8_t> frozen_;
   std::set<std::uint8_t> hung_;  ///< nodes whose CPU was stopped
   Boots boots_;
+  Instant looked_ = std::chrono::steady_clock::now();  ///< who sleeps
   bool news_ = false;
   bool disturbed_ = false;
   bool somebody_was_stuck_ = false;

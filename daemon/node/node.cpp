@@ -32,7 +32,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       start_anew_(base.start_anew),
       driver_(base.make_driver(*folder_, router_)),
       router_({config, base.log_prefix, reasons_, *driver_, host_, *folder_, cpu_, pins_, traffic_, interrupts_,
-               faults_, round_trips_, observers_, lately_damaged_}),
+               faults_, round_trips_, observers_, lately_damaged_, neighbours_}),
       calls_({ring, *driver_, host_, cpu_, requests_, observers_, packet_observers_, promise_observers_}),
       filter_(base.make_filter ? base.make_filter(calls_) : nullptr),
       host_(io, host_options(ring, config, folder_->path(), base.turns), filter_ ? *filter_ : calls_),
@@ -48,6 +48,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       pins_(config.pins, cpu_),
       traffic_(*driver_),
       sightings_(ring, config, *driver_, cpu_),
+      neighbours_(ring, config.id),
       reasons_(ring, config, cpu_, *driver_),
       interrupts_(*driver_, sightings_),
       faults_(io, fault::nodes_by_id(ring), *driver_, cpu_, ring.timeouts.cpu_boot),
@@ -61,7 +62,8 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
                  interrupts_,
                  reasons_,
                  {ring, config, *driver_, faults_, [this] { power_cycle(); }},
-                 {ring, config, *driver_, cpu_, host_, faults_, round_trips_, lately_damaged_, supervisor_},
+                 {ring, config, *driver_, cpu_, host_, faults_, round_trips_, lately_damaged_, neighbours_, supervisor_,
+                  base.turns},
                  base.clock}),
       folder_watch_(io, folder_to_watch()) {
   if (config::supervisor_of(ring).id == config.id)

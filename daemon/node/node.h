@@ -97,6 +97,7 @@ class Node {
   PinBoard pins_;
   Traffic traffic_;
   CpuSightings sightings_;
+  NeighbourWatch neighbours_;
   SendReasons reasons_;
   DaemonInterrupts interrupts_;
   Faults faults_;

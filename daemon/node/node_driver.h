@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/network_controller.h"
@@ -63,6 +64,8 @@ class NodeDriver {
   virtual event_loop::NodeClock& clock() = 0;
   /// The controller's time. It stands still while a batch, and all that follows from it, is handled.
   virtual core::Time now() const = 0;
+  /// Which line was lost last, and why; for people. Empty: none.
+  virtual std::string last_loss() const { return ""; }
   /// When this driver was made, on the same clock.
   virtual core::Time started() const { return core::Time{}; }
   /// `when` on clock(), rounded up so that a timer never fires early.

@@ -188,6 +188,18 @@ json supervisor_json(const StatusSources& from) {
   return {{"policy", watchdog::to_string(watcher.policy())}, {"watched", watched}};
 }
 
+/// What is wrong at this node, each a sentence without its name. Above all what no other field can show.
+json warnings_json(const StatusSources& from) {
+  json all = json::array();
+  const auto add = [&all](const std::string& rule, const std::string& text) {
+    if (!text.empty()) all.push_back({{"rule", rule}, {"text", text}});
+  };
+  add("descriptors", too_few_descriptors(from.ring));
+  if (from.turns != nullptr) add("holds_time", from.turns->holds_time(from.node.id));
+  for (const Warning& warning : from.neighbours.warnings()) add(warning.rule, warning.text);
+  return all;
+}
+
 }  // namespace
 
 json latch_json(const wire::ClockLatch& latch) {
@@ -220,11 +232,10 @@ json status_row(const StatusSources& from) {
            {"broken_line", broken_line_json(from)},
            {"faults", from.faults.list()},
            {"refusals", refusals_json(from)},
+           {"warnings", warnings_json(from)},
            {"counters", counters_json(from)},
            {"lately_damaged", lately_damaged_json(from)},
            {"heard", heard_json(from)}};
-  const std::string few = too_few_descriptors(from.ring);
-  if (!few.empty()) row["warning"] = few;
   if (driver.has_second_line()) row["fold"] = fold_json(driver);
   if (from.supervisor) row["supervisor"] = supervisor_json(from);
   return row;

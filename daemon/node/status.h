@@ -11,6 +11,7 @@
 #include "node/node_driver.h"
 #include "node/ring_supervisor.h"
 #include "node/round_trips.h"
+#include "node/neighbour_watch.h"
 
 namespace limb_ring::runtime {
 
@@ -24,7 +25,9 @@ struct StatusSources {
   Faults& faults;
   const RoundTrips& round_trips;
   const LatelyDamaged& lately_damaged;
+  const NeighbourWatch& neighbours;
   const std::optional<RingSupervisor>& supervisor;  ///< none where another node is the ring's supervisor
+  const host::TurnKeeper* turns;                    ///< null: the ring's clock is the machine's
 };
 
 /// A node's row of `ringctl status --json`, as docs/reference/requests.md describes it.

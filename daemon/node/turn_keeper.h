@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 namespace limb_ring::host {
 
@@ -27,6 +28,8 @@ class TurnKeeper {
   virtual void disturbed() = 0;
   /// The CPU of a node can take `packets` more packets: the first time its whole window, later as many as it has taken.
   virtual void credited(std::uint8_t /*node*/, unsigned /*packets*/) {}
+  /// What the CPU of a node does that keeps time from going on, as a sentence without the node; empty: nothing.
+  virtual std::string holds_time(std::uint8_t /*node*/) const { return ""; }
 };
 
 }  // namespace limb_ring::host

@@ -4,6 +4,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -109,6 +110,25 @@ class Lockstep(RingTest):
             self.assertIn('not repeatable: a CPU was stuck', log)
         hashes = [re.search(r'trace hash (\S+)', log).group(1) for log in logs]
         self.assertEqual(hashes[0], hashes[1], 'it stuck, was found and reset at the same instants')
+
+    def test_a_cpu_that_sleeps_in_its_loop_is_named_in_the_log_and_in_status(self):
+        nodes = plain_nodes(3)
+        sleeper = self.write('sleeper.py', '''
+import time, limb_ring
+with limb_ring.HostPort.connect(role='cpu') as port:
+    while port.connected:
+        time.sleep(0.02)
+        port.receive(0.001)
+''')
+        nodes[1]['cpu'] = {'command': [sys.executable, sleeper]}
+        nodes[2]['cpu'] = {'command': ['limb_firmware']}
+        ring = self.start('ring', [ring_process.program('ringd'), '--config', self.write_ring(nodes), '--clock', 'virtual',
+                                   '--pace', 'max'])
+        told = r"its CPU \(python3[^)]*, pid \d+\) holds the ring's time: it slept for \d+ % of the last \d+ s"
+        self.wait('the line in status', lambda: re.search('node1: ' + told, self.ctl('--ring', self.ring, 'status').stdout
+                                                          .replace('\n', ' ')))
+        self.assertEqual(len(re.findall('node1: ' + told, self.log_of(ring))), 1, 'logged once a minute')
+        self.assertNotRegex(self.log_of(ring), 'node2: its CPU')
 
     def test_a_cpu_that_lets_no_time_pass_is_named_and_the_ring_goes_on(self):
         nodes = plain_nodes(3)

@@ -57,6 +57,8 @@ def with_hop_and_fbc(packet, hop, fbc):
 class Node(threading.Thread):
     """One node. `second`: its second line, if the ring folds back."""
 
+    relays, adds_hop = True, 1   # changed by tests of what others say of a node that is wrong
+
     def __init__(self, line, second=None, last_boot=0):
         super().__init__(daemon=True)
         self.id, self.order, self.boot = line.id, line.order, boot_number(last_boot)
@@ -131,7 +133,8 @@ class Node(threading.Thread):
         if self.fold.cut_off(source) or hop + 1 >= len(self.order):
             return
         fbc = self.receive(packet, interrupt) if good else packet[-7]
-        self.write(INTERRUPT if interrupt else WHOLE, with_hop_and_fbc(packet, hop + 1, fbc))
+        if self.relays:
+            self.write(INTERRUPT if interrupt else WHOLE, with_hop_and_fbc(packet, hop + self.adds_hop, fbc))
 
     def receive(self, packet, interrupt):
         """Returns the FBC with which it goes on. (protocol.md section 3.5)"""

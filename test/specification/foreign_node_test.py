@@ -105,6 +105,39 @@ class ForeignNode(WithAForeignNode):
         covered = bytes([0, foreign_node.SOP, 0, FOREIGN]) + b'abcd' + bytes([foreign_node.EOP, 0xFF, 1, 0])
         return covered[:5] + b'X' + covered[6:] + foreign_node.crc(covered)
 
+    # ---- what is said of it where it is wrong -----------------------------------------------
+
+    def assert_told(self, words):
+        """By status at node 0, which is downstream of it, and in the log of that."""
+        def is_told():
+            return 'node0: ' + words in ' '.join(self.ctl('--ring', self.ring, 'status').stdout.split())
+        self.wait('the word in status: ' + words, is_told)
+        self.assertIn(words, ''.join(self.log_of(process) for what, process in self.processes if what == 'ringd_0'))
+
+    def test_it_is_named_where_it_does_not_count_hop(self):
+        self.close_unix_ring()
+        judge = self.start('judge', [ring_process.program('ringctl'), '--ring', self.ring, 'judge'])
+        self.node.adds_hop = 0
+        words = 'node2: HOP of packets of node1 is 0, 1 expected (protocol.md section 2.2)'
+        self.assert_told(words)
+        self.wait('the word of judge', lambda: words in self.log_of(judge))
+        self.assertIn('3 of 3 nodes up, but by HOP the ring has 2', self.ctl('--ring', self.ring, 'status').stdout)
+
+    def test_it_is_named_where_it_passes_nothing_on(self):
+        self.close_unix_ring()
+        self.node.relays = False
+        self.assert_told('node2 passes nothing on: it hears node1, and only its own packets come (protocol.md section 2.2)')
+
+    def test_it_is_named_where_it_sends_what_is_no_packet(self):
+        self.close_unix_ring()
+        with self.node.lock:
+            self.node.write(WHOLE, bytes([0, 0, 0, 1]) + self.damaged_packet()[4:])
+        self.assert_told('1 packet in 10 s from node2 with a wrong header or trailer, the last of source node1')
+        with self.node.lock:
+            for _ in range(21):
+                self.node.write(END, b'abcdefgh')
+        self.assert_told('21 slices in 10 s from node2 that belong to no packet')
+
     def test_data_priority_and_channel_arrive(self):
         self.close_unix_ring()
         port = self.port(1)

@@ -252,10 +252,15 @@ void Membership::came_home(std::uint8_t hop, Time now) {
 }
 
 void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time now) {
-  if (!matched && ring_size_ != 0 && packet.hop() + 1u != ring_size_) ++counters_.duplicate_id_signs;
+  if (!matched && ring_size_ != 0 && packet.hop() + 1u != ring_size_) duplicate_id_sign(packet.hop());
   if (!wire::is_control(packet)) return;
   if (const auto hello = wire::decode_hello(packet.data())) own_control_seen(hello->boot, packet.hop(), now);
   if (const auto beacon = wire::decode_beacon(packet.data())) own_control_seen(beacon->boot, packet.hop(), now);
+}
+
+void Membership::duplicate_id_sign(std::uint8_t hop) {
+  ++counters_.duplicate_id_signs;
+  counters_.last_duplicate = {settings_.id, hop};
 }
 
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
@@ -269,7 +274,7 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
     return on(Input::own_control_home, now);
   }
   if (boot >= settings_.boot && boot < boot_) return;  // of this process, before its last new hello
-  ++counters_.duplicate_id_signs;
+  duplicate_id_sign(hop);
   // The two nodes take each other's packets off the ring, so nothing is confirmed. This one goes on saying hello; when
   // one comes home, the other node is gone. (ours, protocol.md section 8.6)
   if (++duplicate_signs_ >= kDuplicateSigns) on(Input::duplicate_id, now);
@@ -281,6 +286,7 @@ bool Membership::heard(const wire::PacketFields& packet, Time now) {
   if (const auto hello = wire::decode_hello(packet.data())) return heard_hello(packet, *hello, now);
   if (const auto beacon = wire::decode_beacon(packet.data())) return heard_beacon(packet, *beacon, now);
   ++counters_.control_malformed;
+  counters_.last_control = {packet.source(), packet.hop()};
   return true;
 }
 

@@ -184,6 +184,7 @@ class Membership {
 
   bool heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
   bool heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
+  void duplicate_id_sign(std::uint8_t hop);
   void own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now);
 
   void send_beacon_along(Time now);

@@ -37,8 +37,11 @@ Relay::Effect Relay::receive(const wire::Slice& slice, Time now) {
 // ---- what becomes of it -------------------------------------------------------------------
 
 Relay::Fate Relay::judge(ByteView header, bool interrupt) {
-  if (!wire::header_valid(header, interrupt)) return counted(counters_.malformed_packets, Fate::discard);
   const NodeId source{header[wire::field::kSource]};
+  if (!wire::header_valid(header, interrupt)) {
+    counters_.last_malformed = {source, header[wire::field::kHop]};
+    return counted(counters_.malformed_packets, Fate::discard);
+  }
   if (source == settings_.id) return Fate::strip;
   if (cut_off_[source]) return counted(counters_.orphans_cut_off, Fate::discard);
   if (header[wire::field::kHop] + 1u >= settings_.nodes()) return counted(counters_.orphans_hop, Fate::discard);
@@ -55,8 +58,9 @@ Relay::Fate Relay::judge_data(ByteView header) {
 
 bool Relay::check(const PacketFields& packet, bool crc_good) {
   if (!crc_good) return counted(counters_.crc_errors, false);
-  if (!wire::trailer_valid(packet.bytes)) return counted(counters_.malformed_packets, false);
-  return true;
+  if (wire::trailer_valid(packet.bytes)) return true;
+  counters_.last_malformed = {packet.source(), packet.hop()};
+  return counted(counters_.malformed_packets, false);
 }
 
 /// The nodes that come after `before` and before `behind` in ring order.
@@ -112,6 +116,8 @@ bool Relay::append(ByteView bytes, Time now, std::size_t most) {
     return false;
   }
   if (incoming_.append(bytes, now, most)) return true;
+  const PacketFields packet{incoming_.bytes()};
+  counters_.last_oversize = {packet.source(), packet.hop()};
   break_off(counters_.oversize_packets, now);
   return false;
 }

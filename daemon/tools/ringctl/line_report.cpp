@@ -71,6 +71,29 @@ bool may_have_passed_on(const json& from, const json& row) {
   return from.value("uptime_s", HUGE_VAL) <= row["lately_damaged"].value("oldest_s", 0.0);
 }
 
+/// The next node upstream of the one at `place` that counts damaged packets, and the lines from there, as a name. One
+/// that does not count, such as another program in a node's place, may have passed on what was damaged before it.
+struct Upstream {
+  const json* counts = nullptr;  ///< null: none
+  std::string lines;
+};
+
+Upstream upstream_of(const std::vector<json>& rows, const json& from, const json& node) {
+  Upstream found{nullptr, line_name(rows, from, node)};
+  const auto start = std::find_if(rows.begin(), rows.end(), [&](const json& row) { return row["id"] == from; });
+  if (start == rows.end()) return found;
+  const auto place = static_cast<std::size_t>(start - rows.begin());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const json& row = rows[(place + rows.size() - i) % rows.size()];
+    if (row["id"] == node) break;
+    if (i != 0) found.lines = node_name(rows, row["id"]) + " -> " + found.lines;
+    if (!has(row, "lately_damaged")) continue;
+    found.counts = &row;
+    break;
+  }
+  return found;
+}
+
 /// A damaged packet is counted at every input that it reaches, so those that the previous node passed on are deducted:
 /// all but its own, which end there. The rows are not of one instant, so a few packets may have been counted at one
 /// node but not yet at the next.
@@ -79,16 +102,15 @@ std::string noisy_line(const std::vector<json>& rows, const json& row) {
   const json& from = row["input"]["from"];
   const std::int64_t seen = lately(row, "crc_errors");
   if (seen == 0) return {};
+  const Upstream upstream = upstream_of(rows, from, row["id"]);
   std::int64_t damaged = seen;
-  for (const json& other : rows) {
-    if (other["id"] != from) continue;
-    if (may_have_passed_on(other, row)) return {};
-    damaged -= lately(other, "crc_errors") - lately(other, "returns_damaged");
+  if (upstream.counts != nullptr) {
+    if (may_have_passed_on(*upstream.counts, row)) return {};
+    damaged -= lately(*upstream.counts, "crc_errors") - lately(*upstream.counts, "returns_damaged");
   }
   if (damaged <= seen / kUnderWay) return {};
-  return "noisy line " + line_name(rows, from, row["id"]) + ": " +
-         app::counted(static_cast<std::uint64_t>(damaged), "packet") + " came in damaged in the last " +
-         row["lately_damaged"]["within_s"].dump() + " s\n";
+  return "noisy line " + upstream.lines + ": " + app::counted(static_cast<std::uint64_t>(damaged), "packet") +
+         " came in damaged in the last " + row["lately_damaged"]["within_s"].dump() + " s\n";
 }
 
 /// Both ends of a line may report a refusal, for the first and the second line. One report per pair of nodes is enough.

@@ -15,15 +15,21 @@ namespace {
 std::string knows_ring_of(std::size_t size) { return "it knows a ring of " + std::to_string(size) + " nodes"; }
 
 /// What may be the reason.
-std::string warning_of(const json& row) { return row.contains("warning") ? " (" + row.value("warning", "") + ")" : ""; }
+std::string warning_of(const json& row) {
+  std::string all;
+  for (const json& warning : row.value("warnings", json::array()))
+    all += (all.empty() ? "" : "; ") + warning.at("text").get<std::string>();
+  return all.empty() ? "" : " (" + all + ")";
+}
 
 /// Also after a stop it runs.
 std::string lack_of_cpu(const json& row) {
   const json cpu = row.value("cpu", json::object());
   const std::string word = cpu_word(row);
   if (cpu.value("kind", "") != "child" || word == "running" || word == "latched") return {};
-  const json why = cpu.value("last_exit", json());
-  return "its CPU is " + word + (why.is_string() && why != "" ? " (" + why.get<std::string>() + ")" : "");
+  const json last_exit = cpu.value("last_exit", json());
+  const std::string why = last_exit.is_string() ? last_exit.get<std::string>() : "";
+  return "its CPU is " + word + (why.empty() ? "" : " (" + why + ")");
 }
 
 /// Of one on another host: its beacons say no more.

@@ -199,9 +199,10 @@ std::string unanswered_report(const std::vector<json>& rows) {
 std::string warning_report(const std::vector<json>& rows) {
   std::map<std::string, std::string> names;  // by what is said
   for (const json& row : rows) {
-    if (!row.contains("warning")) continue;
-    std::string& all = names[row.value("warning", "")];
-    all += (all.empty() ? "" : ", ") + row.value("name", "");
+    for (const json& warning : row.value("warnings", json::array())) {
+      std::string& all = names[warning.at("text").get<std::string>()];
+      all += (all.empty() ? "" : ", ") + row.value("name", "");
+    }
   }
   std::string text;
   for (const auto& [warning, all] : names) text += all + ": " + warning + '\n';

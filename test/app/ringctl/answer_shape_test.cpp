@@ -27,7 +27,7 @@ json row() {
     "announced_ms": 2.5}, "faults": [{"id": 1, "fault": "cut a -> b"}], "refusals": [{"refused": 1, "by": 0, "text": "no"}],
     "counters": {"crc_errors": 1}, "lately_damaged": {"within_s": 10, "oldest_s": 3.2, "crc_errors": 4, "returns_damaged": 1},
     "heard": [{"id": 0, "age_ms": 20, "cpu_state": "running", "cpu_boots": 1, "stop_latched": false, "input": "up",
-    "output": "up", "broken_line": {"before": 0, "behind": 1}}], "fold": {"second_input": "down"}, "warning": "few",
+    "output": "up", "broken_line": {"before": 0, "behind": 1}}], "fold": {"second_input": "down"}, "warnings": [{"rule": "descriptors", "text": "few"}],
     "supervisor": {"policy": "auto", "watched": [{"id": 1, "name": "knee", "verdict": "hung", "last": "reset", "for_ms": 1,
     "hangs": 1, "resets": 1, "confirmed": 1}]}})");
 }

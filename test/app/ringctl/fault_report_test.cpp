@@ -42,12 +42,14 @@ TEST(FaultTable, HasNullInJsonForAnEndThatAFaultDoesNotHave) {
 std::vector<json> three_nodes() {
   std::vector<json> rows;
   for (int id = 0; id < 3; ++id)
-    rows.push_back({{"id", id},
-                    {"name", "node" + std::to_string(id)},
-                    {"input", {{"from", (id + 2) % 3}}},
-                    {"broken_line", nullptr},
-                    {"faults", json::array()},
-                    {"counters", json::object()}});
+    rows.push_back(
+        {{"id", id},
+         {"name", "node" + std::to_string(id)},
+         {"input", {{"from", (id + 2) % 3}}},
+         {"broken_line", nullptr},
+         {"faults", json::array()},
+         {"counters", json::object()},
+         {"lately_damaged", {{"within_s", 10}, {"oldest_s", 0}, {"crc_errors", 0}, {"returns_damaged", 0}}}});
   return rows;
 }
 
@@ -91,6 +93,16 @@ TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {
   came_damaged(rows[2], 4, 3);
   came_damaged(rows[0], 1, 1);
   EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 6 packets came in damaged in the last 10 s\n");
+}
+
+TEST(LineReport, DoesNotBlameTheLineBehindANodeThatPassesDamageOnAndCountsNone) {
+  std::vector<json> rows = three_nodes();
+  rows[0].erase("lately_damaged");
+  came_damaged(rows[2], 6, 0);
+  came_damaged(rows[1], 6, 6);
+  EXPECT_EQ(line_report(rows), "noisy line node1 -> node2: 6 packets came in damaged in the last 10 s\n");
+  came_damaged(rows[2], 0, 0);
+  EXPECT_EQ(line_report(rows), "noisy line node2 -> node0 -> node1: 6 packets came in damaged in the last 10 s\n");
 }
 
 TEST(LineReport, SaysNothingOfDamageThatIsOver) {

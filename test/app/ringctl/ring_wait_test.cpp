@@ -33,7 +33,9 @@ TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
   const std::vector<std::pair<json, std::string>> lacks{
       {{{"state", "folded"}}, "it is folded"},
       {{{"state", "down"}}, "it is down"},
-      {{{"state", "starting"}, {"warning", "too few"}}, "it is starting (too few)"},
+      {{{"state", "starting"},
+        {"warnings", {{{"rule", "a"}, {"text", "too few"}}, {{"rule", "b"}, {"text", "too hot"}}}}},
+       "it is starting (too few; too hot)"},
       {{{"state", "unanswered"}, {"unanswered", "too busy"}}, "it has not answered: too busy"},
       {{{"ring_size", 1}}, "it knows a ring of 1 nodes, not 2"},
       {{{"fold", {{"second_input", "down"}}}}, "its second line in is broken"},

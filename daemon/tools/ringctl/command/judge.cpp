@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -17,6 +18,8 @@
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/ring_folder.h"
 #include "tools/ringctl/tell_user.h"
+#include "tools/ringctl/answer_shape.h"
+#include "tools/ringctl/answers.h"
 
 namespace limb_ring::ringctl {
 
@@ -24,6 +27,9 @@ namespace {
 
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
+
+/// How often daemons are asked what is wrong, and how long all may take.
+constexpr std::chrono::milliseconds kWarningLook{2000}, kWarningWait{400};
 
 struct JudgeOptions {
   std::string ring;
@@ -118,6 +124,7 @@ class JudgeRun {
     do {
       watch_.poll();
       tell_lost();
+      tell_warnings();
     } while (!is_over() && !signals.asked_to_end(live::PromiseWatch::kRound));
     if (folder_.is_gone()) tell_user("ring " + ring_.ring() + " was taken down");
     watch_.finish();
@@ -137,6 +144,32 @@ class JudgeRun {
   double seconds() const { return std::chrono::duration<double>(steady_clock::now() - began_).count(); }
   bool is_over() const { return folder_.is_gone() || (options_.lasts_s != 0 && seconds() >= options_.lasts_s); }
 
+  /// What the daemons find wrong with their neighbours is no broken promise: the ring may keep them all the same.
+  void tell_warnings() {
+    if (steady_clock::now() < next_look_) return;
+    next_look_ = steady_clock::now() + kWarningLook;
+    std::set<std::pair<std::uint8_t, std::string>> now;
+    const std::vector<NodeName> nodes = ring_.nodes_here();
+    const auto answers = ask_all(ring_.ring(), nodes, {{"do", "status"}}, steady_clock::now() + kWarningWait);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!answers[i].said || !wrong_in_row(*answers[i].said, nodes[i].id).empty()) continue;
+      for (const nlohmann::json& warning : answers[i].said->value("warnings", nlohmann::json::array())) {
+        const auto key = *now.emplace(nodes[i].id, warning.at("rule")).first;
+        if (warned_.count(key) == 0) print_warning(key.first, warning);
+      }
+    }
+    warned_ = now;
+  }
+
+  void print_warning(std::uint8_t node, const nlohmann::json& warning) const {
+    if (options_.json)
+      std::cout << nlohmann::json{{"node", node}, {"rule", warning.at("rule")}, {"warning", warning.at("text")}}.dump()
+                << std::endl;
+    else
+      std::cout << "warning  at node " << name_in(ring_, node) << ": " << warning.at("text").get<std::string>()
+                << std::endl;
+  }
+
   void tell_lost() {
     const std::uint64_t told = std::exchange(told_lost_, watch_.counts().lost);
     if (told_lost_ == told) return;
@@ -149,6 +182,8 @@ class JudgeRun {
   live::PromiseWatch watch_;
   const steady_clock::time_point began_ = steady_clock::now();
   std::uint64_t told_lost_ = 0;
+  steady_clock::time_point next_look_{};
+  std::set<std::pair<std::uint8_t, std::string>> warned_;  ///< by node and rule: those of the last look
 };
 
 int run(const Context& context, const JudgeOptions& options) {
@@ -164,7 +199,8 @@ void add_judge(CLI::App& app, Context& context) {
       app, "judge",
       "Judge a living ring's promises until Ctrl-C or the ring is taken down: what is delivered has arrived, once "
       "and in order, every send has one result, pins are pulled once, nothing circles; a "
-      "line for each one that is broken, and then exit code 1, as where a node could not be watched");
+      "line for each one that is broken, and then exit code 1, as where a node could not be watched. A neighbour that "
+      "breaks a rule of docs/protocol.md without that is warned of");
   command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   command->add_option("--for", options->lasts_s, "End after so many seconds; default: never")
       ->transform(cli::seconds(0.1, 1e9));
