@@ -53,7 +53,7 @@ QUICK_TESTS := test_wire test_core test_capture test_fault payload_fragment_test
                fuzz_slices fuzz_packets fuzz_control_messages fuzz_controller fuzz_fragments fuzz_pcapng
 test-quick: deps ## The quick tests, under address and undefined behaviour sanitizers
 	@cmake -S . -B $(BUILD)-quick -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Quick \
-	  -DCMAKE_CXX_FLAGS_QUICK=-O1 -DCMAKE_UNITY_BUILD=ON -DPYTHON_EXECUTABLE=$(PYTHON) > /dev/null
+	  -DCMAKE_CXX_FLAGS_QUICK=-O1 -DPYTHON_EXECUTABLE=$(PYTHON) > /dev/null
 	cmake --build $(BUILD)-quick -j$(JOBS) --target $(QUICK_TESTS)
 	cd $(BUILD)-quick && LIMB_RING_SEEDS=10 GTEST_FILTER=-*InWideWorlds:*KeptDeadline* ctest -j$(JOBS) --output-on-failure -R '^($(subst $(SPACE),|,$(strip $(QUICK_TESTS))))$$'
 
@@ -89,7 +89,7 @@ planted: build ## Breaks the core of live rings on purpose, and replays what fai
 ONLY ?=
 coverage: deps ## How much of the sources the tests run, by folder (ONLY="test_core test_wire" FILES=daemon/core; needs gcovr)
 	@command -v gcovr > /dev/null || { echo "make coverage needs gcovr: apt-get install gcovr"; exit 2; }
-	cmake -S . -B $(BUILD)-coverage -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Coverage -DCMAKE_UNITY_BUILD=ON \
+	cmake -S . -B $(BUILD)-coverage -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Coverage \
 	  -DCMAKE_CXX_FLAGS_COVERAGE="-Og --coverage" -DLIMB_RING_PATIENCE=10 -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-coverage -j$(JOBS) --target $(if $(ONLY),$(ONLY),all tests)
 	find $(BUILD)-coverage -name '*.gcda' -delete

@@ -51,16 +51,8 @@ function(limb_ring_cold target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
 endfunction()
 
-# Most of a build's time goes into reading other people's headers. A release reads them once per target: its files are
-# compiled together (a unity build). Else (CMAKE_UNITY_BUILD=OFF, for who changes single files) they are precompiled.
-if(NOT DEFINED CMAKE_UNITY_BUILD AND CMAKE_BUILD_TYPE STREQUAL Release)
-  set(CMAKE_UNITY_BUILD ON)
-endif()
+# Most of a build's time goes into reading other people's headers, so each target reads them once: its files are compiled
+# together (a unity build). There is no other way: nobody would notice what compiles in one of two ways alone.
+set(CMAKE_UNITY_BUILD ON)
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)  # all in one
 set(CMAKE_OPTIMIZE_DEPENDENCIES ON)  # libraries wait for none but generated files (CMake 3.19; before: for each other)
-function(limb_ring_precompile target)
-  get_target_property(unity ${target} UNITY_BUILD)
-  if(NOT unity)
-    target_precompile_headers(${target} PRIVATE ${ARGN})
-  endif()
-endfunction()
