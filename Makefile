@@ -15,7 +15,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build docs demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
+.PHONY: help all build docs demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -134,6 +134,9 @@ forge: build ## Forged, replayed and damaged datagrams against a keyed ring (COU
 	$(BUILD_TARGET) forge_line
 	FORGE_COUNT=$(FORGE_COUNT) FORGE_RATE=$(RATE) FORGE_LINE=$(BUILD)/tests/forge_line \
 	  RING_TEST_PROGRAMS=$(BUILD)/devel/lib/limb_ring $(PYTHON) test/process/forge_test.py
+
+conform: build ## The conformance kit on ringd, the nodes in C and Python, and on wrong ones
+	cd $(BUILD) && ctest -j$(JOBS) --output-on-failure -R '^conform_'
 
 bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
 	@code=0; (set -x; $(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)) || code=$$?; $(MAKE) bench-sim && exit $$code
