@@ -8,7 +8,7 @@ import struct
 START, MORE, END, WHOLE, INTERRUPT, ABORT, IDLE, FOLD = 1, 2, 3, 4, 5, 6, 7, 8
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = 1, 2, 3, 4, 5, 6
 NO_REFUSAL, BUSY, REPLACED, WRONG_RING, NOT_IN_RING, UNKNOWN_SESSION, WRONG_VERSION = 0, 1, 2, 3, 4, 5, 7
-OTHER_RING_FILE = 9
+OTHER_RING_FILE, LAST_REFUSAL = 9, 12
 VERSION = 3
 
 LinkHeader = collections.namedtuple('LinkHeader', 'magic version type ring session sequence sender refusal')
@@ -45,6 +45,15 @@ def random_number():
 
 def slice_of(kind, data=b''):
     return struct.pack('>BBH', 0xA7, kind, len(data)) + data
+
+
+def fits(data):
+    """Whether this is one slice. (protocol.md section 6.2)"""
+    if len(data) < 4 or data[0] != 0xA7 or struct.unpack_from('>H', data, 2)[0] != len(data) - 4:
+        return False
+    size = len(data) - 4
+    return {START: 4 <= size <= 516 and size % 4 == 0, MORE: 4 <= size <= 512 and size % 4 == 0, END: 8 <= size <= 520,
+            WHOLE: 13 <= size <= 524, INTERRUPT: size == 12, ABORT: size == 0, IDLE: size == 0, FOLD: size == 3}.get(data[1], False)
 
 
 def received(stream, size, flags=0):
@@ -190,7 +199,7 @@ class UdpInput:
         if len(data) < LINK_HEADER.size:
             return
         header = LinkHeader._make(LINK_HEADER.unpack_from(data))
-        if header.magic != 0x4C52 or (header.version != VERSION and header.type != CONNECT):
+        if header.magic != 0x4C52 or header.refusal > LAST_REFUSAL or (header.version != VERSION and header.type != CONNECT):
             return
         if header.type == CONNECT:
             self.connect(header, data, address)
@@ -220,6 +229,9 @@ class UdpInput:
                 return self.socket.sendto(
                     self.line.header(REFUSE, header.session, refusal=UNKNOWN_SESSION), address)
             del self.offers[header.sender]
+            if self.session:
+                self.socket.sendto(self.line.header(REFUSE, self.session[1], refusal=REPLACED), self.address)
+                self.line.gap()
             self.session, self.next, self.address = (header.sender, header.session), 1, address
             self.line.sender = header.sender
         missing = (header.sequence - self.next) % 2 ** 32
@@ -228,6 +240,8 @@ class UdpInput:
         if missing:
             self.line.gap()
         self.next = (header.sequence + 1) % 2 ** 32
+        if not fits(data):
+            return self.line.gap()
         self.line.take_slices(data)
 
     def tick(self):
@@ -317,6 +331,7 @@ class Line:
 
     def judge(self, connect, agreement):
         """protocol.md section 6.8"""
+        agreement = agreement[:AGREEMENT.size]  # what stands behind it is ignored
         if connect.version != VERSION:
             return WRONG_VERSION
         if connect.ring != self.ring:

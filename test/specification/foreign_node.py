@@ -1,6 +1,6 @@
 """A node of the ring written from docs/protocol.md alone, with nothing of the project's code: small and slow, but a node.
-Its CPU takes all, and its pins are only noted. It passes packets on only when they are whole, and it knows no bypass and
-no open chain."""
+Its CPU takes all, and its pins are only noted. It passes packets on only when they are whole, and it knows no bypass, no
+open chain and no refusals of others. known_failures.yaml says what the conformance kit finds."""
 
 import collections
 import select
@@ -14,9 +14,11 @@ from foreign_links import ABORT, END, INTERRUPT, MORE, START, WHOLE, slice_of
 
 SOP, EOP, ALL, UNTAKEN = 0xFB, 0xFD, 0xFF, 0xFF
 HELLO, BEACON = 1, 2
+OVERHEAD = 12  # bytes of a DATP that are no data
 CONTROL_PRI = 1 << 2  # channel 1, priority 0
 TRY_TIMEOUT, BEACON_PERIOD, TICK = 1.0, 0.1, 0.01
 FREE_BUFFERS = 32
+WIRED = (0, 1, 2)  # pins: reset, stop, sync
 
 Outstanding = collections.namedtuple('Outstanding', 'packet token due')
 
@@ -100,6 +102,8 @@ class Node(threading.Thread):
     # ---- what comes in ----------------------------------------------------------------------
 
     def take_slice(self, kind, data):
+        if kind in (WHOLE, START):
+            self.break_off()
         if kind == WHOLE:
             self.take(data, False)
         elif kind == INTERRUPT:
@@ -112,10 +116,14 @@ class Node(threading.Thread):
             self.coming += data
             if kind == END:
                 packet, self.coming = self.coming, None
-                self.take(packet, False)
+                if len(packet) > OVERHEAD:
+                    self.take(packet, False)
 
     def break_off(self):
-        self.coming = None  # passed on only as a whole: there is nothing to abort
+        """Passed on only as a whole: there is nothing to abort."""
+        coming, self.coming = self.coming, None
+        if coming and coming[3] == self.id:
+            self.damaged_return(False)
 
     # ---- Relay and Receive ----------------------------------------------------------------
 
@@ -128,13 +136,18 @@ class Node(threading.Thread):
             if good:
                 self.came_home(packet, interrupt)
             else:
-                self.damaged_returns += 1
+                self.damaged_return(interrupt)
             return
         if self.fold.cut_off(source) or hop + 1 >= len(self.order):
             return
         fbc = self.receive(packet, interrupt) if good else packet[-7]
         if self.relays:
             self.write(INTERRUPT if interrupt else WHOLE, with_hop_and_fbc(packet, hop + self.adds_hop, fbc))
+
+    def damaged_return(self, interrupt):
+        self.damaged_returns += 1
+        if self.out[interrupt]:
+            self.failed(interrupt)
 
     def receive(self, packet, interrupt):
         """Returns the FBC with which it goes on. (protocol.md section 3.5)"""
@@ -150,13 +163,16 @@ class Node(threading.Thread):
         if control:
             return min(fbc, 254)
         place, sequence = (interrupt, destination == ALL), packet[0] & 7
-        if page.verdicts.get(place, (None,))[0] == sequence:
-            return min(fbc, page.verdicts[place][1])
-        verdict = 1 if interrupt else FREE_BUFFERS if self.joined else 0
-        page.verdicts[place] = (sequence, verdict)
-        if interrupt:
+        known, said, when = page.verdicts.get(place, (None, 0, 0))
+        if known == sequence and (packet[0] >> 3 & 3 or time.monotonic() - when < TRY_TIMEOUT):
+            return min(fbc, said)
+        if not self.joined and packet[0] >> 3 & 3:
+            return fbc  # it may have been taken before the start of this node
+        verdict = last & 7 in WIRED if interrupt else FREE_BUFFERS if self.joined else 0
+        page.verdicts[place] = (sequence, verdict, time.monotonic())
+        if interrupt and verdict:
             self.pins.append((last & 7, source))
-        elif self.joined:
+        elif not interrupt and self.joined:
             self.received.append((source, last & 3, last >> 2, packet[4:-8]))
         return min(fbc, verdict)
 

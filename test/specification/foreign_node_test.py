@@ -147,8 +147,8 @@ class ForeignNode(WithAForeignNode):
     def test_interrupts_pull_pins_both_ways(self):
         self.close_unix_ring()
         port = self.port(0)
-        self.assertEqual(port.wait(port.interrupt(FOREIGN, 3)).outcome, 'delivered')
-        self.assertEqual(self.node.pins, [(3, 0)])
+        self.assertEqual(port.wait(port.interrupt(FOREIGN, 2)).outcome, 'delivered')
+        self.assertEqual(self.node.pins, [(2, 0)])
         self.assertEqual(self.outcome(self.node.interrupt(0, 2)), 'delivered')  # pin 2: sync
         self.assertEqual(self.outcome(self.node.interrupt(0, 7)), 'refused')    # wired to nothing
         self.assertEqual(self.counters(0)['pins_pulled'], 1)
