@@ -26,11 +26,16 @@ static uint32_t crc_step(uint32_t r) {
   return r >> 4 ^ kTable[r & 15];
 }
 
-uint32_t tn_crc(const uint8_t* bytes, size_t size) {
-  uint32_t r = 0xFFFFFFFFu;
-  for (size_t i = 0; i < size; i++) r = crc_step(r ^ bytes[i]);
-  return ~r;
+uint32_t tn_crc_begin(void) { return 0xFFFFFFFFu; }
+
+uint32_t tn_crc_more(uint32_t so_far, const uint8_t* bytes, size_t size) {
+  for (size_t i = 0; i < size; i++) so_far = crc_step(so_far ^ bytes[i]);
+  return so_far;
 }
+
+uint32_t tn_crc_end(uint32_t so_far) { return ~so_far; }
+
+uint32_t tn_crc(const uint8_t* bytes, size_t size) { return tn_crc_end(tn_crc_more(tn_crc_begin(), bytes, size)); }
 
 uint32_t tn_change(uint8_t delta, size_t after) {
   uint32_t r = delta;

@@ -51,6 +51,11 @@ void tn_put64(uint8_t* bytes, uint64_t value);
 /* CRC-32 of IEEE 802.3. (protocol.md section 3.7) */
 uint32_t tn_crc(const uint8_t* bytes, size_t size);
 
+/* The same in parts: begin, more for each part, end. */
+uint32_t tn_crc_begin(void);
+uint32_t tn_crc_more(uint32_t so_far, const uint8_t* bytes, size_t size);
+uint32_t tn_crc_end(uint32_t so_far);
+
 /* What XORing delta into a byte with `after` more bytes behind it does to the CRC. (protocol.md section 3.7) */
 uint32_t tn_change(uint8_t delta, size_t after);
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "tiny_frame.h"
 #include "tiny_node.h"
 
 namespace {
@@ -70,6 +71,44 @@ TEST(TinyWire, TheAgreementOfAPlainRingIsThatOfTheTestVectors) {
   for (const std::string& name : names) pointers.push_back(name.c_str());
   tn_plain_agreement(&config, pointers.data());
   EXPECT_EQ(Bytes(config.agreement, config.agreement + TN_AGREEMENT), bytes_of(plain["behind_connect"]));
+}
+
+Bytes framed(std::uint16_t place, const Bytes& datagram) {
+  Bytes line;
+  tn_write_frame(
+      place, datagram.data(), datagram.size(),
+      [](void* out, std::uint8_t byte) { static_cast<Bytes*>(out)->push_back(byte); }, &line);
+  return line;
+}
+
+TEST(TinyFrame, ADatagramOfEachSizeArrives) {
+  std::mt19937 draw(1);
+  tn_frame_reader reader = {};
+  for (std::size_t size = 0; size <= TN_MOST_DATAGRAM; ++size) {
+    Bytes datagram(size);
+    for (std::uint8_t& byte : datagram)
+      byte = static_cast<std::uint8_t>(size % 3 == 0 ? 0 : size % 3 == 1 ? 7 : draw());
+    const Bytes line = framed(static_cast<std::uint16_t>(size), datagram);
+    ASSERT_LE(line.size(), TN_MOST_FRAME);
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) ASSERT_FALSE(tn_read_frame(&reader, line[i])) << size;
+    ASSERT_TRUE(tn_read_frame(&reader, line.back())) << size;
+    EXPECT_EQ(reader.place, size);
+    EXPECT_EQ(Bytes(reader.bytes + 2, reader.bytes + 2 + reader.size), datagram);
+  }
+  EXPECT_EQ(reader.damaged, 0u);
+}
+
+TEST(TinyFrame, ArbitraryBytesAreNoFrameAndTheNextFrameIsFound) {
+  std::mt19937 draw(2);
+  tn_frame_reader reader = {};
+  for (int i = 0; i < 1000; ++i) {
+    for (unsigned n = draw() % 2000; n > 0; --n)
+      ASSERT_FALSE(tn_read_frame(&reader, static_cast<std::uint8_t>(draw())));
+    tn_read_frame(&reader, 0);
+    bool whole = false;
+    for (const std::uint8_t byte : framed(3, {1, 2, 3})) whole = tn_read_frame(&reader, byte);
+    EXPECT_TRUE(whole);
+  }
 }
 
 struct Taken {
