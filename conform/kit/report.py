@@ -151,7 +151,7 @@ def packets_of(log):
 
 
 def write_capture(path, result, ring):
-    """pcapng, as `ringctl dump -r` and Wireshark read it."""
+    """pcapng, as `ringctl traffic show -r` and Wireshark read it."""
     names = ' '.join('%d=%s' % pair for pair in zip(ORDER, NAMES))
     clock = time.time() - result.log[-1][0] if result.log else 0
     with open(path, 'wb') as out:
