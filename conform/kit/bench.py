@@ -3,6 +3,8 @@ clock. To the cases all are alike: datagrams of a UDP line go out and come in at
 end of that node's line, or ('listens', id), its receiving end. (protocol.md section 6)"""
 
 import ctypes
+import fcntl
+import mmap
 import os
 import select
 import shutil
@@ -132,20 +134,125 @@ class UdpBench(RealBench):
             made.close()
 
 
+class Queue:
+    """Slices through memory that both ends have mapped. (protocol.md section 6.12)"""
+
+    HEAD, CAPACITY = 128, 4096
+    WRITTEN, READ = 0, 8                                    # places of 8 bytes
+    WAITS, BEAT_OF_SENDER, SLEEPS, BEAT_OF_RECEIVER = 2, 3, 18, 19  # places of 4 bytes
+
+    def __init__(self, descriptors=None):
+        if descriptors is None:
+            self.memory = os.memfd_create('conform', os.MFD_ALLOW_SEALING)
+            os.ftruncate(self.memory, self.HEAD + self.CAPACITY)
+            fcntl.fcntl(self.memory, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW)
+            self.event = os.eventfd(0, os.EFD_NONBLOCK)
+        else:
+            self.memory, self.event = descriptors
+        self.map = mmap.mmap(self.memory, os.fstat(self.memory).st_size)
+        self.capacity = len(self.map) - self.HEAD
+        self.words, self.halves = memoryview(self.map).cast('Q'), memoryview(self.map).cast('I')
+        self.count, self.beat = 0, self.halves[self.BEAT_OF_SENDER]
+
+    def write(self, data):
+        for byte in data:
+            self.map[self.HEAD + self.count % self.capacity] = byte
+            self.count += 1
+        self.words[self.WRITTEN] = self.count
+        if self.halves[self.SLEEPS]:
+            self.halves[self.SLEEPS] = 0
+            os.eventfd_write(self.event, 1)
+
+    def read(self):
+        try:
+            os.eventfd_read(self.event)
+        except OSError:
+            pass  # nobody has woken us
+        written, out = self.words[self.WRITTEN], bytearray()
+        while self.count < written:
+            out.append(self.map[self.HEAD + self.count % self.capacity])
+            self.count += 1
+        self.words[self.READ] = self.count
+        self.halves[self.SLEEPS] = 1
+        return bytes(out)
+
+    def room_is_waited_for(self):
+        waits, self.halves[self.WAITS] = self.halves[self.WAITS], 0
+        return bool(waits)
+
+    def tick(self, place):
+        self.halves[place] = (self.halves[place] + 1) % 2 ** 32
+
+    def lives(self, place):
+        """Whether the other end's beat has gone on since the last call."""
+        before, self.beat = self.beat, self.halves[place]
+        return before != self.beat
+
+    def close(self):
+        self.words.release()
+        self.halves.release()
+        self.map.close()
+        os.close(self.memory)
+        os.close(self.event)
+
+
 class Stream:
     """A connection of a UNIX line, put into the words of a UDP line: sessions and sequences are made up here."""
 
     def __init__(self, connection, session=None):
         self.connection, self.buffer, self.session, self.sequence = connection, b'', session, 0
         self.accepted = False
+        self.queue, self.writes = None, False  # of a line through shared memory; whether we write into it
         connection.setblocking(False)
+
+    def close(self):
+        self.connection.close()
+        if self.queue:
+            self.queue.close()
+
+    def header(self, kind, sequence=0):
+        return wire.HEADER.pack(wire.MAGIC, wire.VERSION, kind, 0, self.session or 0, sequence, 0, 0)
+
+    def framed(self, data):
+        self.sequence += 1
+        return self.header(wire.SLICES, self.sequence) + data
+
+    def read_queue(self, came):
+        if self.writes:
+            if self.queue.lives(Queue.BEAT_OF_RECEIVER):
+                came.append(self.header(wire.ALIVE))
+            return
+        data = self.queue.read()
+        while len(data) >= 4:
+            size = 4 + int.from_bytes(data[2:4], 'big')
+            came.append(self.framed(data[:size]))
+            data = data[size:]
+        if self.queue.lives(Queue.BEAT_OF_SENDER):
+            came.append(self.framed(wire.slice_of(wire.IDLE)))
+        if self.queue.room_is_waited_for():
+            self.connection.sendall(self.header(wire.ALIVE))
+
+    def write_queue(self, datagram):
+        """Signs of life are beats."""
+        if datagram[3] == wire.ALIVE:
+            self.queue.tick(Queue.BEAT_OF_RECEIVER)
+        elif datagram[wire.HEADER.size:] == wire.slice_of(wire.IDLE):
+            self.queue.tick(Queue.BEAT_OF_SENDER)
+        else:
+            self.queue.write(datagram[wire.HEADER.size:])
+
+    def receive(self):
+        data, descriptors, _, _ = socket.recv_fds(self.connection, 65536, 2)
+        if len(descriptors) == 2:
+            self.queue = Queue(descriptors)
+        return data
 
     def read(self):
         """@return what came, as datagrams, and whether it is over"""
         over, came = False, []
         try:
             while True:
-                data = self.connection.recv(65536)
+                data = self.receive()
                 if not data:
                     over = True
                     break
@@ -167,18 +274,16 @@ class Stream:
         if len(self.buffer) < max(size, 4):
             return False
         one, self.buffer = self.buffer[:size], self.buffer[size:]
-        if self.accepted:
-            self.sequence += 1
-            one = wire.HEADER.pack(wire.MAGIC, wire.VERSION, wire.SLICES, 0, self.session, self.sequence, 0, 0) + one
-        came.append(one)
+        came.append(self.framed(one) if self.accepted else one)
         return True
 
 
 class UnixBench(RealBench):
     line = 'unix'
 
-    def __init__(self, others, own, folder, process):
-        self.process, self.own, self.folder = process, own, folder
+    def __init__(self, others, own, folder, process, memory=False):
+        """@param memory: the slices go through shared memory"""
+        self.process, self.own, self.folder, self.memory = process, own, folder, memory
         os.makedirs(os.path.dirname(folder), 0o700, exist_ok=True)
         os.makedirs(folder, 0o700, exist_ok=True)
         self.doors, self.streams = {}, {}
@@ -200,10 +305,16 @@ class UnixBench(RealBench):
         session = wire.HEADER.unpack_from(datagram)[4] if len(datagram) >= wire.HEADER.size else 0
         if kind == wire.ACCEPT:
             stream.accepted, stream.session = True, session
+        if stream.queue and kind in (wire.SLICES, wire.ALIVE):
+            return stream.write_queue(datagram)
         if kind == wire.SLICES:
             datagram = datagram[wire.HEADER.size:]
         try:
-            stream.connection.sendall(datagram if kind != wire.BYE else b'')
+            if kind == wire.CONNECT and stream.queue:
+                datagram = datagram[:3] + bytes([wire.CONNECT_MEMORY]) + datagram[4:]
+                socket.send_fds(stream.connection, [datagram], [stream.queue.memory, stream.queue.event])
+            else:
+                stream.connection.sendall(datagram if kind != wire.BYE else b'')
         except OSError:
             pass  # the other end has closed, which reading will show
         if kind in (wire.BYE, wire.REFUSE):
@@ -218,16 +329,21 @@ class UnixBench(RealBench):
             connection.close()
             return None
         self.streams[place] = Stream(connection)
+        if self.memory:
+            self.streams[place].queue, self.streams[place].writes = Queue(), True
         return self.streams[place]
 
     def drop(self, place):
         if place in self.streams:
-            self.streams.pop(place).connection.close()
+            self.streams.pop(place).close()
 
     def poll(self, wait):
         connections = {stream.connection: place for place, stream in self.streams.items()}
+        events = [stream.queue.event for stream in self.streams.values() if stream.queue and not stream.writes]
         came = []
-        for ready in select.select(list(self.doors) + list(connections), [], [], wait)[0]:
+        for ready in select.select(list(self.doors) + list(connections) + events, [], [], wait)[0]:
+            if ready in events:
+                continue
             if ready in self.doors:
                 place = self.doors[ready]
                 self.drop(place)
@@ -242,6 +358,11 @@ class UnixBench(RealBench):
             if over and self.streams.get(place) is stream:
                 self.drop(place)
                 came.append((place, b''))  # the end of the connection
+        for place, stream in self.streams.items():
+            if stream.queue and (stream.accepted or stream.writes):
+                heard = []
+                stream.read_queue(heard)
+                came += [(place, one) for one in heard]
         return came
 
     def close(self):

@@ -36,7 +36,7 @@ def new_parser():
     parser.add_argument('--profile', choices=PROFILES, default='minimal', help='what the node claims to be (protocol.md section 12); default: minimal')
     parser.add_argument('--strict', action='store_true', help='what is lenient has failed')
     parser.add_argument('--expect', metavar='FILE', help='YAML: numbers of cases that are known to fail, and why')
-    parser.add_argument('--line', choices=('udp', 'unix'), default='udp', help='default: udp')
+    parser.add_argument('--line', choices=('udp', 'unix', 'shm'), default='udp', help='default: udp')
     parser.add_argument('--address', metavar='HOST', help='the node runs already, at this address')
     parser.add_argument('--port', type=int, help='links.port; default: free ones')
     parser.add_argument('--name', help='the ring\'s name; default: drawn')
@@ -87,15 +87,15 @@ def ring_file(folder, options, config, port):
 def make_bench(options, folder, config):
     if options.library:
         return benches.LibraryBench(os.path.abspath(options.library), config)
-    port = options.port or (0 if options.line == 'unix' else free_port())
+    port = options.port or (free_port() if options.line == 'udp' else 0)
     others = [node for node in ORDER if node != OWN]
     process = None
     if options.program:
         values = {'ring': ring_file(folder, options, config, port), 'name': config.ring, 'node': OWN, 'port': port,
                   'ids': ','.join(map(str, ORDER)), 'agreement': config.agreement.hex()}
         process = benches.Process(options.program, values, folder)
-    if options.line == 'unix':
-        return benches.UnixBench(others, OWN, os.path.join(folder, 'limb_ring', config.ring), process)
+    if options.line != 'udp':
+        return benches.UnixBench(others, OWN, os.path.join(folder, 'limb_ring', config.ring), process, options.line == 'shm')
     return benches.UdpBench(others, OWN, options.address or '127.0.0.1', port, process)
 
 
