@@ -31,6 +31,7 @@ def new_parser():
         epilog='PROGRAM is started for the kit. In its arguments {ring} is the ring\'s file, {name} the ring\'s name, {node} the '
                'node\'s id,\n{port} links.port, {ids} all ids in ring order, {agreement} the 56 bytes of protocol.md section 6.13 as '
                'hexadecimal digits.\n\nExit codes: 0 no case has failed, 1 one has, 2 wrong usage, 3 there is no node.')
+    parser.add_argument('--usage', action='help', help='print this, and end')
     parser.add_argument('--list', action='store_true', help='print all cases, and end')
     parser.add_argument('--only', action='append', default=[], metavar='SECTION', help='cases of this section, or one by its number: 4.10, 2.2-1')
     parser.add_argument('--profile', choices=PROFILES, default='minimal', help='what the node claims to be (protocol.md section 12); default: minimal')

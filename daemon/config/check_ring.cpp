@@ -97,6 +97,21 @@ void check_common_pin(const Entry& file, const RingConfig& ring, PinConfig::Acti
   }
 }
 
+/// Through shared memory a foreign node cannot be expected to speak. (protocol.md section 6.12)
+void check_foreign(const Entry& file, const RingConfig& ring, Problems& problems) {
+  const std::size_t count = ring.nodes.size();
+  for (std::size_t n = 0; n < count; ++n) {
+    if (ring.nodes[n].controller != NodeConfig::Controller::foreign) continue;
+    for (const std::size_t into : {n, (n + 1) % count}) {
+      if (ring.nodes[into].link.transport != LinkConfig::Transport::shm) continue;
+      element(file, "nodes", n)
+          .note(problems, "its controller is foreign, and the link into node '" + ring.nodes[into].name + "' is shm",
+                "links beside it that are udp or unix: links: {transport: udp}");
+      break;
+    }
+  }
+}
+
 void check_inputs(const Entry& file, const RingConfig& ring, Problems& problems) {
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)
     for (std::size_t i = 0; i < ring.nodes[n].inputs.size(); ++i) {
@@ -215,6 +230,7 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   check_ports(file, ring, problems);
   check_common_pin(file, ring, PinConfig::Action::stop, "stop", problems);
   check_common_pin(file, ring, PinConfig::Action::sync, "sync", problems);
+  check_foreign(file, ring, problems);
   check_inputs(file, ring, problems);
   check_supervisor(file, ring, problems);
   check_topics(file, ring, problems);

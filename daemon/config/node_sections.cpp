@@ -91,6 +91,10 @@ const Section<NodeConfig>& node_section() {
                   "What people call the node; its own."),
       {"host", "the first of `hosts`", "name of a host", "The machine that runs it.",
        [](const Entry& entry, NodeConfig& node) { node.host = read_host(entry); }},
+      choice_option(
+          "controller", &NodeConfig::controller, {"ringd", "foreign"},
+          "foreign: the node is not ours, such as a board. `ringctl up` starts the others; 'ringctl wait up' waits "
+          "for it, too. The links beside it are udp or unix."),
       {"cpu", "none", kAllowedCpus,
        "none: a built-in sink that counts. attached: an outside process connects, such as the "
        "bridge. command: ringd starts it.",

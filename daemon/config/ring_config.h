@@ -113,6 +113,8 @@ struct NodeConfig {
   std::uint8_t id = 0;
   std::string name;
   std::size_t host = 0;  ///< its place in RingConfig::hosts; 0 also where no hosts are given
+  /// Whose network controller it is. foreign: somebody else's, which nobody here starts.
+  enum class Controller { ringd, foreign } controller = Controller::ringd;
   CpuConfig cpu;
   std::vector<JointConfig> joints;
   std::vector<SensorConfig> sensors;

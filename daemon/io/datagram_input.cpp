@@ -69,7 +69,7 @@ void DatagramInput::take_slices(const LinkHeader& header, wire::ByteView bytes, 
 }
 
 void DatagramInput::hand_on(wire::ByteView bytes) {
-  while (!bytes.empty() && !closed_) {
+  do {  // a datagram without a slice is malformed, too
     const wire::SliceParse parse = wire::parse_slice(bytes);
     if (parse.status != wire::SliceParse::Status::slice) {
       ++report_.counters.malformed;
@@ -83,7 +83,7 @@ void DatagramInput::hand_on(wire::ByteView bytes) {
     ++report_.counters.slices;
     batch_ = true;
     handler_.on_slice(parse.slice);
-  }
+  } while (!bytes.empty() && !closed_);
 }
 
 void DatagramInput::gap() {

@@ -37,6 +37,14 @@ TEST(WrongNodes, IdMissingOutOfRangeOrTwice) {
                  "254, each once"));
 }
 
+TEST(WrongNodes, ForeignBesideSharedMemory) {
+  EXPECT_THAT(refusal_of("ring: r\nnodes: [{id: 0}, {id: 1, controller: foreign}]\n"),
+              HasSubstr("its controller is foreign, and the link into node 'node1' is shm; allowed: links beside it"));
+  EXPECT_THAT(refusal_of("ring: r\nlinks: {transport: udp}\n"
+                         "nodes: [{id: 0, link: {transport: shm}}, {id: 1, controller: foreign}]\n"),
+              HasSubstr("the link into node 'node0' is shm"));
+}
+
 TEST(WrongNodes, NameUnfitOrTwice) {
   EXPECT_THAT(refusal_of(node_with("    name: 12\n")),
               AllOf(StartsWith("ring.yaml:5:11: entry 'nodes[1].name': '12' is not a name"),

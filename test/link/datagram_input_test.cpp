@@ -202,6 +202,15 @@ TEST_F(DatagramInputFromHand, MakesAGapOfAGarbledDatagram) {
   EXPECT_EQ(input.from(), 0);
 }
 
+TEST_F(DatagramInputFromHand, MakesAGapOfADatagramWithoutASlice) {
+  LinkHeader h = header(LinkHeaderType::slices, session);
+  h.sequence = 2;
+  send(h);
+  input.end_batch();
+  EXPECT_EQ(report.counters.malformed, 1u);
+  EXPECT_THAT(heard.log, ElementsAre("up 0", "gap", "batch end"));
+}
+
 TEST_F(DatagramInputFromHand, IsLostOnGoodbye) {
   send(header(LinkHeaderType::bye, session));
   EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("closed")));

@@ -93,5 +93,23 @@ class TinyNodeInARing(RingTest):
             self.port(1).ask({'do': 'fault', 'fault': 'heal node1:node2'})
 
 
+class ForeignNodeInAFile(RingTest):
+    """`controller: foreign`: ringctl starts the others, and knows this one by its beacons."""
+
+    def test_ringctl_starts_the_others_and_waits_for_it(self):
+        port = free_udp_ports(3)
+        nodes = plain_nodes(3)
+        nodes[TINY]['controller'] = 'foreign'
+        times = {'silence': '250ms', 'stall': '50ms', 'send': '100ms'}
+        config = self.write_ring(nodes, timeouts=times, links={'transport': 'udp', 'port': port})
+        out = self.ctl('up', config, '--detach').stdout
+        self.addCleanup(lambda: self.ctl('down', self.ring))
+        self.assertIn("all daemons are up (2), 2 of 3 are in the ring; 'ringctl wait up' waits for the foreign ones", out)
+        self.start('tiny_node_udp', [program('tiny_node_udp'), self.ring, str(TINY), str(port), '0,1,2'])
+        self.ctl('--ring', self.ring, 'wait', 'up', '--timeout', '30')
+        rows = self.ctl_json('--ring', self.ring, 'status')
+        self.assertEqual([row['state'] for row in rows], ['up'] * 3)
+
+
 if __name__ == '__main__':
     ring_process.main()

@@ -123,10 +123,13 @@ RingPlan plan_ring(const UpRequest& given) {
     plan.arguments.push_back("--one-host");
   }
   for (const auto& node : config.nodes) {
-    if (!plan.host.empty() && config.host_of(node)->name != plan.host) continue;
+    const bool foreign = node.controller == config::NodeConfig::Controller::foreign && !plan.is_virtual;
+    if (foreign || (!plan.host.empty() && config.host_of(node)->name != plan.host)) continue;
     if (plan.missing_program.empty()) plan.missing_program = missing_program(config, node);
     plan.nodes.push_back({node.id, node.name});
   }
+  if (plan.nodes.empty())
+    throw UsageError("ring " + plan.ring + ": all its nodes here are foreign; there is nothing to start");
   return plan;
 }
 

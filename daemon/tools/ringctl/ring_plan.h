@@ -33,7 +33,7 @@ struct UpRequest {
 /// node, or on a virtual clock one for all.
 struct RingPlan {
   std::string ring;
-  std::vector<NodeName> nodes;          ///< those started here
+  std::vector<NodeName> nodes;          ///< those started here: none with a foreign controller
   std::size_t ring_size = 0;            ///< how many the whole ring has
   std::string host;                     ///< whose nodes these are; empty: all of the ring
   std::vector<std::string> arguments;   ///< of every ringd, without --node

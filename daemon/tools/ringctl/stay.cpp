@@ -31,12 +31,15 @@ void announce(const RingPlan& plan, RingWatch& watch) {
   if (!plan.is_part())
     text += " is closed: " + here + " nodes up";
   else if (ring_size == plan.ring_size)
-    text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here + " of them here, on host " + plan.host;
+    text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here +
+            (plan.host.empty() ? " of them daemons" : " of them here, on host " + plan.host);
   else {
     const std::string refusal = watch.refusal();
-    text += ": all nodes of host " + plan.host + " are up (" + here + "), " + std::to_string(ring_size) + " of " +
-            std::to_string(plan.ring_size) + " are in the ring" +
-            (refusal.empty() ? "; 'ringctl wait up' waits for the other hosts" : refusal);
+    text += (plan.host.empty() ? ": all daemons" : ": all nodes of host " + plan.host) + std::string(" are up (") +
+            here + "), " + std::to_string(ring_size) + " of " + std::to_string(plan.ring_size) + " are in the ring" +
+            (!refusal.empty()    ? refusal
+             : plan.host.empty() ? "; 'ringctl wait up' waits for the foreign ones"
+                                 : "; 'ringctl wait up' waits for the other hosts");
   }
   std::cout << text << std::endl;
   process::tell_ready(text);

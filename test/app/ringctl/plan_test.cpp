@@ -40,6 +40,27 @@ TEST_F(Plan, FileIsGivenToEveryDaemonByItsFullPath) {
               ElementsAre("--config", request.config, "--ring", "other", "--transport", "udp", "--node", "4"));
 }
 
+TEST_F(Plan, ForeignNodesAreStartedByNobodyHere) {
+  UpRequest request;
+  request.config = write("board.yaml",
+                         "ring: board\nlinks: {transport: udp}\nnodes:\n  - {id: 0}\n"
+                         "  - {id: 1, controller: foreign}\n  - {id: 2}\n");
+  const RingPlan plan = plan_ring(request);
+  ASSERT_EQ(plan.nodes.size(), 2u);
+  EXPECT_EQ(plan.nodes[1].id, 2);
+  EXPECT_TRUE(plan.is_part());
+  request.clock = VirtualClock{};
+  EXPECT_EQ(plan_ring(request).nodes.size(), 3u) << "a virtual ring has a node of ours in its place";
+}
+
+TEST_F(Plan, ARingOfForeignNodesAloneIsRefused) {
+  UpRequest request;
+  request.config = write("boards.yaml",
+                         "ring: boards\nlinks: {transport: udp}\nnodes:\n  - {id: 0, controller: foreign}\n"
+                         "  - {id: 1, controller: foreign}\n");
+  EXPECT_THROW(plan_ring(request), UsageError);
+}
+
 TEST_F(Plan, FolderTooLongForASocketIsRefusedBeforeAnythingStarts) {
   ::setenv("XDG_RUNTIME_DIR", ("/" + std::string(100, 'x')).c_str(), 1);
   EXPECT_THROW(plan_ring(plain(2)), UsageError);

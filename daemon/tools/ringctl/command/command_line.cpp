@@ -56,6 +56,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_fault(app, context);
   add_scenario(app, context);
   add_hosts(app, context);
+  add_conform(app, context);
   add_bench(app, context);
   app.get_subcommand("bench")->group("For measurements");
 }

@@ -49,5 +49,6 @@ void add_scenario_list(CLI::App& scenario, Context& context);    ///< below `sce
 void add_scenario_shrink(CLI::App& scenario, Context& context);  ///< below `scenario`
 void add_hosts(CLI::App& app, Context& context);                 ///< key, launch
 void add_bench(CLI::App& app, Context& context);
+void add_conform(CLI::App& app, Context& context);
 
 }  // namespace limb_ring::ringctl
