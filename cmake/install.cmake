@@ -16,7 +16,11 @@ endforeach()
 install(TARGETS limb_ring_client limb_ring_payload ARCHIVE DESTINATION ${LIMB_RING_LIB})
 install(DIRECTORY include/limb_ring/ DESTINATION ${LIMB_RING_INCLUDE})
 install(PROGRAMS examples/walk_controller.py DESTINATION ${LIMB_RING_BIN})
-install(DIRECTORY config examples urdf wireshark DESTINATION ${LIMB_RING_SHARE})
+install(DIRECTORY config examples urdf web wireshark DESTINATION ${LIMB_RING_SHARE})
+# What ringctl serves, where it looks for it from its own folder.
+get_filename_component(share ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/../../share/limb_ring ABSOLUTE)
+file(MAKE_DIRECTORY ${share})
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/web ${share}/web SYMBOLIC)
 install(FILES docs/test_vectors.json DESTINATION ${LIMB_RING_SHARE})
 # Scenarios name their rings' files from where they are, which is one folder less here.
 file(GLOB_RECURSE scenarios CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/test test/scenarios/*.yaml)

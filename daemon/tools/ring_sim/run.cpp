@@ -1,10 +1,12 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "tools/cli/output.h"
 #include "tools/cli/values.h"
 #include "tools/common/out_file.h"
+#include "tools/common/timeline.h"
 #include "tools/ring_sim/case_rows.h"
 #include "tools/ring_sim/commands.h"
 #include "tools/ring_sim/problems.h"
@@ -20,7 +22,7 @@ struct RunOptions {
   Case which = Case::alone;
   study::Medium medium;
   std::uint64_t seed = 1;
-  std::string trace, capture;
+  std::string trace, capture, perfetto;
   bool outputs = false;
   app::Format format = app::Format::text;
 };
@@ -49,12 +51,18 @@ void finish(std::ofstream& file, const std::string& path) {
 }
 
 int run(const RunOptions& options) {
+  if (options.perfetto == app::kStandardOutput)
+    throw UsageError("--perfetto -: a timeline goes into a file, which ui.perfetto.dev opens; name one");
+  if (app::is_same_output(options.trace, options.perfetto))
+    throw UsageError("--trace and --perfetto both name " + options.perfetto + "; each needs a file of its own");
   if (app::is_same_output(options.trace, options.capture))
     throw UsageError("--trace and --capture both name " + options.capture + "; each needs a file of its own");
-  std::ofstream trace, capture;
+  std::ofstream trace, capture, perfetto;
+  std::stringstream captured;
   study::CaseRecords records;
   records.trace = open(trace, "--trace ", options.trace);
   records.capture = open(capture, "--capture ", options.capture);
+  if (open(perfetto, "--perfetto ", options.perfetto) != nullptr) records.capture = &captured;
   records.goes_on = [&options, progress = Progress()]() mutable {
     progress.tell(case_words(options.which, options.medium));
   };
@@ -62,6 +70,8 @@ int run(const RunOptions& options) {
   const study::CaseResult result = run_case(options.which, options.medium, options.seed, records);
   finish(trace, options.trace);
   finish(capture, options.capture);
+  if (perfetto.is_open()) app::write_timeline(perfetto, captured, "the run");
+  finish(perfetto, options.perfetto);
   const app::Row row = run_row(options.which, options.medium, result, options.seed);
   std::ostream& out = records.trace == &std::cout || records.capture == &std::cout ? std::cerr : std::cout;
   if (options.format == app::Format::text) out << in_lines(row);
@@ -93,6 +103,8 @@ void add_run(CLI::App& app, Context& context) {
       "--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark; - as of --trace");
   command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl traffic why' needs that")
       ->needs(capture);
+  command->add_option("--perfetto", options->perfetto, "Write them there as a timeline, which ui.perfetto.dev loads")
+      ->excludes(capture);
   add_format(*command, options->format);
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }

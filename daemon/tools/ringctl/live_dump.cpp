@@ -23,6 +23,8 @@ constexpr milliseconds kLastWords{1000};  // how long a daemon may take to count
 /// Messages taken from one node before the next node has its turn.
 constexpr int kAtOnce = 1000;
 
+}  // namespace
+
 std::string event_words(const nlohmann::json& seen) {
   const std::string kind = seen.value("kind", "");
   if (kind == "state")
@@ -31,8 +33,6 @@ std::string event_words(const nlohmann::json& seen) {
   if (kind == "cpu") return "CPU " + seen.value("state", "") + ", boot " + std::to_string(seen.value("boots", 0));
   return seen.value("what", seen.dump());
 }
-
-}  // namespace
 
 std::string summary(const DumpTotals& totals) {
   const CaptureCounts& nodes = totals.nodes;

@@ -18,6 +18,9 @@ struct DumpTotals {
 };
 std::string summary(const DumpTotals& totals);
 
+/// What an Observed tells, in words: "up -> open_chain, ring of 15", "CPU running, boot 2".
+std::string event_words(const nlohmann::json& seen);
+
 /// Packets and events of several nodes at once, in the order in which they come in here.
 class LiveDump {
  public:

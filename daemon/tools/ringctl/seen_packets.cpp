@@ -32,16 +32,19 @@ class Window final : public CaptureSink {
     packets_.pop_front();
     ++lost_;
   }
-  void event(const capture::CapturedEvent&) override {}
+  void event(const capture::CapturedEvent& event) override {
+    if (events_.size() < kWindow) events_.push_back(event);
+  }
   bool flush() override { return steady_clock::now() < end_; }
 
   SeenPackets take(capture::RingNames names) const {
-    return {std::move(names), {packets_.begin(), packets_.end()}, lost_};
+    return {std::move(names), {packets_.begin(), packets_.end()}, events_, lost_};
   }
 
  private:
   steady_clock::time_point end_;
   std::deque<capture::SeenPacket> packets_;
+  std::vector<capture::CapturedEvent> events_;
   std::uint64_t lost_ = 0;
 };
 
@@ -57,6 +60,7 @@ SeenPackets packets_of_file(const std::string& path) {
   SeenPackets seen;
   const auto read = [&] {
     while (const auto record = reader.next()) {
+      if (const auto* event = std::get_if<capture::CapturedEvent>(&*record)) seen.events.push_back(*event);
       const auto* packet = std::get_if<CapturedPacket>(&*record);
       if (packet == nullptr) continue;
       seen.packets.push_back(capture::seen(*packet));
@@ -74,7 +78,10 @@ SeenPackets packets_of_ring(const std::string& ring, std::chrono::nanoseconds ho
   capture::Choice choice;
   choice.filter.output = true;
   Window window(how_long);
-  const DumpTotals totals = LiveDump(access, access.nodes_here(), {{"packets", order_of(choice)}}, window).run(0);
+  const DumpTotals totals =
+      LiveDump(access, access.nodes_here(), {{"kinds", {"state", "link", "pin", "cpu"}}, {"packets", order_of(choice)}},
+               window)
+          .run(0);
   if (totals.all_gone) throw HostPortError("no daemon is left to look at");
   return window.take(names_of(access));
 }

@@ -13,6 +13,7 @@ namespace limb_ring::ringctl {
 struct SeenPackets {
   capture::RingNames names;
   std::vector<capture::SeenPacket> packets;
+  std::vector<capture::CapturedEvent> events;
   std::uint64_t lost = 0;  ///< missing: read too slowly, or more than the window of a live capture holds
 };
 

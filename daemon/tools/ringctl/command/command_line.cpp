@@ -51,6 +51,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_resume(app, context);
   add_clock(app, context);
   add_traffic(app, context);
+  add_view(app, context);
   add_judge(app, context);
   add_record(app, context);
   add_fault(app, context);

@@ -41,6 +41,7 @@ void add_stop(CLI::App& app, Context& context);
 void add_resume(CLI::App& app, Context& context);
 void add_clock(CLI::App& app, Context& context);    ///< pace, pause, step, run, sync
 void add_traffic(CLI::App& app, Context& context);  ///< show, events, why, again
+void add_view(CLI::App& app, Context& context);
 void add_judge(CLI::App& app, Context& context);
 void add_record(CLI::App& app, Context& context);  ///< save, keep, check
 void add_fault(CLI::App& app, Context& context);

@@ -7,22 +7,19 @@
 #include <memory>
 #include <utility>
 
-#include "io/in_parallel.h"
 #include "io/signal_wait.h"
 #include "limb_ring/ring_directory.h"
-#include "ring/lock_files.h"
 #include "tools/cli/values.h"
 #include "tools/common/colour.h"
 #include "tools/common/text_table.h"
-#include "tools/ringctl/answers.h"
 #include "tools/ringctl/choose_ring.h"
 #include "tools/ringctl/command/commands.h"
-#include "tools/ringctl/connect_node.h"
 #include "tools/ringctl/line_report.h"
 #include "tools/ringctl/problems.h"
 #include "tools/ringctl/ring_clock.h"
 #include "tools/ringctl/ring_folder.h"
 #include "tools/ringctl/screen.h"
+#include "tools/ringctl/status_poll.h"
 #include "tools/ringctl/status_rows.h"
 #include "tools/ringctl/status_table.h"
 #include "tools/ringctl/supervision.h"
@@ -33,7 +30,6 @@ namespace limb_ring::ringctl {
 namespace {
 
 using std::chrono::duration;
-using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 struct StatusOptions {
@@ -82,63 +78,6 @@ int show_once(const Context& context, const StatusOptions& options) {
     print_text(ring, rows, options.pids);
   return kDone;
 }
-
-/// How long a daemon that does not answer may delay the next picture.
-constexpr milliseconds kAnswerWait{500};
-
-/// Asks all nodes for their status, over connections that it keeps.
-class StatusPoll {
- public:
-  explicit StatusPoll(const RingAccess& ring) : ring_(ring), ports_(ring.nodes().size()) {}
-
-  StatusSample sample() {
-    std::vector<Answer> answers(ports_.size());
-    std::vector<std::optional<std::uint32_t>> tokens(ports_.size());
-    process::in_parallel(ports_.size(), kAskers, [&](std::size_t i) { tokens[i] = ask(i, answers[i].why_not); });
-    StatusSample sample;
-    sample.at_s = duration<double>(steady_clock::now().time_since_epoch()).count();
-    const auto deadline = steady_clock::now() + kAnswerWait;
-    for (std::size_t i = 0; i < ports_.size(); ++i)
-      if (tokens[i]) answers[i] = answer(i, *tokens[i], deadline);
-    sample.rows = complete_rows(ring_, std::move(answers));
-    sample.clock = ring_clock(ring_.ring());
-    return sample;
-  }
-
- private:
-  /// @return token of the answer; nothing where none is to be waited for, with the reason where it could not be asked
-  std::optional<std::uint32_t> ask(std::size_t index, std::string& why_not) {
-    const NodeName& node = ring_.nodes()[index];
-    if (ring_.is_elsewhere(node)) return std::nullopt;                                // its beacons are heard here
-    if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
-    try {
-      if (!ports_[index])
-        ports_[index] = connect_within(kAnswerWait, ring_.ring(), std::to_string(node.id), Stay::for_long);
-      return ports_[index]->request(R"({"do": "status"})");
-    } catch (const HostPortError& problem) {
-      why_not = problem.what();  // it is asked again next time
-      return std::nullopt;
-    }
-  }
-
-  Answer answer(std::size_t index, std::uint32_t token, steady_clock::time_point deadline) {
-    while (ports_[index] && ports_[index]->connected()) {
-      const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
-      const auto message = ports_[index]->receive(std::max(left, milliseconds(0)));
-      const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
-      if (reply != nullptr && reply->token == token) {
-        auto row = nlohmann::json::parse(reply->json, nullptr, /*allow_exceptions=*/false);
-        if (row.is_object()) return {row, ""};
-      }
-      if (!message && ports_[index]->connected()) return {std::nullopt, no_answer_within(kAnswerWait)};
-    }
-    ports_[index].reset();
-    return {std::nullopt, "its daemon has closed the connection"};
-  }
-
-  const RingAccess& ring_;
-  std::vector<std::optional<HostPort>> ports_;
-};
 
 /// @return false where somebody has asked it to end
 bool wait(const StatusOptions& options, Screen* screen, process::SignalWait& signals) {

@@ -23,6 +23,7 @@
 #include "tools/common/colour.h"
 #include "tools/common/out_file.h"
 #include "tools/common/text_table.h"
+#include "tools/common/timeline.h"
 #include "tools/ringctl/answers.h"
 #include "tools/ringctl/capture_names.h"
 #include "tools/ringctl/choose_ring.h"
@@ -276,7 +277,7 @@ void add_traffic_events(CLI::App& app, Context& context) {
 constexpr double kUsualLook = 5;  // s
 
 struct WhyOptions {
-  std::string file, source, at, over, svg;
+  std::string file, source, at, over, svg, perfetto;
   std::optional<double> lasts_s;  ///< of a living ring
   std::optional<unsigned> sequence;
   std::size_t count = 1;
@@ -325,8 +326,10 @@ void check(const Context& context, const WhyOptions& options) {
     throw UsageError("traffic why: either FILE, a capture, or --live: choose one of them");
   if (!options.live && !context.ring.empty()) throw UsageError("traffic why: FILE and --ring: choose one of them");
   if (options.lasts_s && !options.live) throw UsageError("--for: how long to capture, with --live");
-  if (app::is_same_file(options.file, options.svg))
-    throw UsageError("--svg names the capture itself: " + options.svg + " would be lost; draw into another file");
+  for (const auto& [option, path] : {std::pair("--svg", options.svg), std::pair("--perfetto", options.perfetto)})
+    if (app::is_same_file(options.file, path))
+      throw UsageError(std::string(option) + " names the capture itself: " + path +
+                       " would be lost; write into another file");
   if (!options.live) return;
   if (!options.at.empty()) throw UsageError("--at: of a capture; what is to come with --live has no time yet");
 }
@@ -347,9 +350,19 @@ std::unique_ptr<capture::TracedRing> sorted(std::vector<capture::SeenPacket> pac
 
 /// Where one is asked for and it is not open yet. @throw UsageError
 void open_picture(std::ofstream& picture, const WhyOptions& options) {
-  if (options.svg.empty() || picture.is_open()) return;
-  const std::string problem = app::open_for_writing(picture, options.svg);
+  const std::string& path = options.perfetto.empty() ? options.svg : options.perfetto;
+  if (path.empty() || picture.is_open()) return;
+  const std::string problem = app::open_for_writing(picture, path);
   if (!problem.empty()) throw UsageError(problem);
+}
+
+int write_timeline(const SeenPackets& seen, std::ofstream& file, const WhyOptions& options) {
+  open_picture(file, options);
+  app::write_timeline(file, seen.names, seen.packets, seen.events);
+  const std::string problem = cli::finish_writing(file, options.perfetto);
+  if (!problem.empty()) throw NotDone(problem);
+  std::cout << "wrote " << options.perfetto << ", which ui.perfetto.dev opens" << std::endl;
+  return kDone;
 }
 
 void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const WhyOptions& options,
@@ -391,6 +404,7 @@ int run(const Context& context, const WhyOptions& options) {
   SeenPackets seen = seen_packets(context, options);
   const capture::TripChoice choice = choice_of(options, seen);
   if (seen.lost != 0) tell_user(std::to_string(seen.lost) + " packets are missing in this capture; paths have gaps");
+  if (!options.perfetto.empty()) return write_timeline(seen, picture, options);
   const bool any = !seen.packets.empty();
   const auto sorted_ring = sorted(std::move(seen.packets));
   const capture::TracedRing& ring = *sorted_ring;
@@ -418,7 +432,11 @@ void add_options(CLI::App& command, WhyOptions& options) {
                      "Only those on their way then: 12.5ms since the first packet, or as traffic show -t a");
   command.add_option("-n,--count", options.count, "At most so many, the slowest first; default 1; 0: all")
       ->transform(cli::whole(0, 1000000000));
-  command.add_option("--svg", options.svg, "Draw the first of them there");
+  CLI::Option* svg = command.add_option("--svg", options.svg, "Draw the first of them there");
+  command
+      .add_option("--perfetto", options.perfetto,
+                  "Instead, write all packets and events there as a timeline, which ui.perfetto.dev loads")
+      ->excludes(svg);
   add_json(command, options.json);
 }
 

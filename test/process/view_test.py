@@ -1,0 +1,177 @@
+"""The server of `ringctl view` under attack: nothing is given without its token, nothing is done that it was not told to
+allow, nothing grows without a limit, and the ring does not notice."""
+
+import socket
+
+import ring_process
+from ring_process import plain_nodes
+from view_process import ViewTest
+
+
+class View(ViewTest):
+    def setUp(self):
+        super().setUp()
+        self.start_ring(plain_nodes(4))
+
+    def assert_unaffected(self):
+        """All nodes are up, and nothing was lost on a line."""
+        self.assertTrue(self.is_closed(range(4)))
+        self.send_delivered(0, 2)
+        for node in range(4):
+            counters = self.counters(node)
+            for name in ('crc_errors', 'timeouts', 'input_losses', 'ended_lost', 'stalled_packets'):
+                self.assertEqual(counters[name], 0, name)
+
+    def assert_serves(self):
+        self.assertEqual(self.get('')[0], 200)
+
+    def test_the_page_and_its_files_are_served_and_say_that_nothing_else_may_be_loaded(self):
+        self.view()
+        for path in ('', 'index.html', 'style.css', 'view.mjs', 'ring.mjs', 'model.mjs', 'graphs.mjs'):
+            self.assertEqual(self.get(path)[0], 200, path)
+        with self.connected() as client:
+            client.sendall(self.request('/%s/' % self.token))
+            head = client.recv(65536)
+        self.assertIn(b"default-src 'self'", head)
+        self.assertIn(b'Referrer-Policy: no-referrer', head)
+
+    def test_without_the_token_nothing_is_given(self):
+        self.view('--control')
+        wrong = ['/', '/events', '/' + self.token[:-1] + '/', '/' + self.token + 'a/', '/' + self.token.upper() + 'A/events',
+                 '/%s/' % ('0' * len(self.token)), '//' + self.token + '/', '/?' + self.token, '*', self.token]
+        for path in wrong:
+            self.assertIn(self.answer(self.request(path))[0], (400, 403), path)
+            self.assertIn(self.answer(self.request(path, 'POST', b'["stop"]'))[0], (400, 403), path)
+        self.assert_unaffected()
+
+    def test_other_hosts_and_origins_are_refused(self):
+        self.view('--control')
+        for host in ('evil.example:%d' % self.port_of_view, '127.0.0.1', '127.0.0.1:1', 'localhost', None, '',
+                     '127.0.0.1.evil.example:%d' % self.port_of_view):
+            self.assertEqual(self.get('', Host=host)[0], 403, host)
+        for origin in ('http://evil.example', 'null', '', 'https://127.0.0.1:%d' % self.port_of_view, 'http://127.0.0.1:1'):
+            self.assertEqual(self.get('', Origin=origin)[0], 403, origin)
+            self.assertEqual(self.order('fault', 'cut', 'n0:n1', Origin=origin)[0], 403, origin)
+        self.assertEqual(self.get('', Origin='http://127.0.0.1:%d' % self.port_of_view)[0], 200)
+        self.assertEqual(self.get('', Host='localhost:%d' % self.port_of_view)[0], 200)
+        self.assert_unaffected()
+
+    def test_no_path_leads_to_another_file(self):
+        self.view()
+        for path in ('../config/leg8.yaml', '..%2fconfig%2fleg8.yaml', '%2e%2e/%2e%2e/etc/passwd', '/etc/passwd',
+                     './index.html', 'index.html/', 'index.html%00', 'node/../index.html', 'node/', 'node/0x0',
+                     'node/999', '....//....//etc/passwd', 'view.mjs?x=../../etc/passwd'):
+            self.assertEqual(self.get(path)[0], 404, path)
+
+    def test_a_page_that_may_only_read_changes_nothing(self):
+        self.view()
+        for words in (['fault', 'cut', 'n0:n1'], ['stop'], ['fault', 'kill', 'n1']):
+            self.assertEqual(self.order(*words)[0], 403)
+        for method in ('PUT', 'DELETE', 'HEAD', 'OPTIONS', 'BREW'):
+            self.assertIn(self.answer(self.request('/%s/' % self.token, method))[0], (400, 405), method)
+        self.assert_unaffected()
+
+    def test_with_control_it_may_order_what_the_page_has_buttons_for_and_no_more(self):
+        self.view('--control')
+        for words in (['down'], ['up', 'x.yaml'], ['fault'], ['fault', 'babble', 'n1'], ['fault', 'cut', 'n0:n1', '--for=1s'],
+                      ['stop', '--from', 'n1'], ['reset', 'n1; rm -rf /'], ['reset', '$(id)'], ['reset', 'n1\x00'], [''],
+                      ['clock', 'sync'], ['stop'] * 7, ['reset', 'x' * 65], ['reset', 'n\xe4']):
+            self.assertEqual(self.order(*words)[0], 400, words)
+        for body in (b'{"a": 1}', b'[1]', b'[', b'[[["stop"]]]', b'[' * 4000, b'"stop"', b'\xff\xfe', b'null'):
+            self.assertEqual(self.answer(self.request('/%s/order' % self.token, 'POST', body))[0], 400, body)
+        self.assertEqual(self.order('stop', Content_Type='text/plain')[0], 415)
+        self.assert_unaffected()
+
+    def test_a_wire_is_cut_and_mended_by_orders_and_each_page_sees_it(self):
+        self.view('--control')
+        page = self.stream()
+        status, answer = self.order('fault', 'cut', 'n1:n2')
+        self.assertEqual((status, answer['code']), (200, 0), answer)
+        broken = self.events_until(page, lambda kind, message: kind == 'status' and message['broken_line'])
+        self.assertEqual((broken['broken_line']['before'], broken['broken_line']['behind']), (1, 2))
+        self.assertEqual(self.order('fault', 'heal', 'n1:n2')[1]['code'], 0)
+        self.events_until(page, lambda kind, message: kind == 'status' and not message['broken_line'] and
+                          all(row['state'] == 'up' for row in message['rows']))
+        self.assertEqual(self.order('fault', 'cut', 'n1:nobody')[1]['code'], 2)
+
+    def test_huge_and_broken_requests_end_and_the_next_one_is_served(self):
+        self.view('--control')
+        start = ('GET /%s/ HTTP/1.1\r\nHost: ' % self.token).encode()
+        broken = [start + b'x' * 10 ** 6, start + b'x\r\n' * 10 ** 5, b'\x00' * 100 + b'\r\n\r\n', b'\x16\x03\x01\x02\x00' * 50,
+                  b'GET\r\n\r\n', b'GET / HTTP/9.9\r\n\r\n', self.request('/%s/order' % self.token, 'POST', b'[' + b' ' * 10 ** 6 + b']'),
+                  self.request('/%s/order' % self.token, 'POST', b'["stop"]', Content_Length=2 ** 63),
+                  self.request('/%s/order' % self.token, 'POST', b'["stop"]', Content_Length=-1),
+                  self.request('/' + 'a' * 20000), start + b'x\r\nTransfer-Encoding: chunked\r\n\r\nffffffffffffffff\r\nx']
+        for request in broken:
+            self.assertIn(self.answer(request)[0], (0, 400, 403, 405, 413, 431), request[:80])
+            self.assert_serves()
+        self.assert_unaffected()
+
+    def test_a_request_that_never_ends_is_ended(self):
+        self.view()
+        with self.connected() as silent, self.connected() as half:
+            half.sendall(b'GET /')
+            self.assertEqual(self.read_answer(silent)[1], b'')
+            self.assertEqual(self.read_answer(half)[1], b'')
+        self.assert_serves()
+
+    def test_connections_and_pages_have_a_limit_and_are_taken_again_below_it(self):
+        server = self.view()
+        crowd = [self.connected() for _ in range(200)]
+        self.wait('those that are too many are closed', lambda: self.sockets_of(server) < 80)
+        for client in crowd:
+            client.close()
+        self.wait('it serves again', lambda: self.get('')[0] == 200)
+        pages = [self.stream() for _ in range(16)]
+        for page in pages:
+            self.events_until(page, lambda kind, message: kind == 'view')
+        self.assertEqual(self.get('events')[0], 503)
+        pages.pop().close()
+        again = self.wait('a place', self.stream_with_room)
+        self.events_until(again, lambda kind, message: kind == 'status')
+        self.assert_unaffected()
+
+    def stream_with_room(self):
+        page = self.stream()
+        if b' 200 ' in page.recv(15):
+            return page
+        page.close()
+        return None
+
+    def test_it_asks_the_ring_only_while_a_page_looks(self):
+        server = self.view()
+        self.assert_serves()
+        idle = self.sockets_of(server)
+        page = self.stream()
+        self.events_until(page, lambda kind, message: kind == 'status')
+        self.assertGreaterEqual(self.sockets_of(server), idle + 1 + 4)
+        page.close()
+        self.wait('its connections to the daemons end', lambda: self.sockets_of(server) <= idle)
+
+    def test_a_page_that_reads_too_slowly_is_dropped_and_the_others_go_on(self):
+        server = self.view()
+        good = self.stream()
+        self.events_until(good, lambda kind, message: kind == 'status')
+        with_good = self.sockets_of(server)
+        slow = self.stream(receive_buffer=2048)
+        self.wait('it is there', lambda: self.sockets_of(server) == with_good + 1)
+        self.start('ping', [ring_process.program('ringctl'), '--ring', self.ring, 'ping', '--from', 'n1', '--to', 'n2',
+                            '-c', '1000000', '-i', '0.001'])
+        while self.sockets_of(server) > with_good:
+            self.events_until(good, lambda kind, message: kind == 'packets')
+        self.events_until(good, lambda kind, message: kind == 'status')
+        slow.close()
+
+    def test_an_address_that_is_none_or_is_taken_is_said(self):
+        taken = socket.socket()
+        self.addCleanup(taken.close)
+        taken.bind(('127.0.0.1', 0))
+        taken.listen(1)
+        for more, why in ((('--address', 'nowhere'), 'not an address'), (('--port', str(taken.getsockname()[1])), 'in use')):
+            done = self.ctl('--ring', self.ring, 'view', *more)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(why, done.stderr)
+
+
+if __name__ == '__main__':
+    ring_process.main()

@@ -1,0 +1,178 @@
+// The page of `ringctl view`: what the server tells goes into the picture, the graphs and the lists; what is clicked goes
+// back as an order, if the server allows it.
+import { JointGraphs, Strip } from './graphs.mjs';
+import { bytesText, countersMoved, lineCondition, lineOrder, loadText, nodeCondition, number, timeText } from './model.mjs';
+import { RingPicture } from './ring.mjs';
+
+const most_events = 200, most_counters = 40;
+const by = (id) => document.getElementById(id);
+const say = (element, text) => { if (element.textContent !== text) element.textContent = text; };
+
+function element(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) key === 'onclick' ? made.addEventListener('click', value) : made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
+const page = { control: false, ring: null, status: null, chosen: null, before: null };
+const strip = new Strip(by('strip'), by('strip-text'));
+const graphs = new JointGraphs(by('joints'), by('joints-title'));
+const picture = new RingPicture(by('picture'), choose);
+
+async function order(...words) {
+  say(by('said'), `ringctl ${words.join(' ')} ...`);
+  try {
+    const answer = await fetch('order', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(words) });
+    if (!answer.ok) say(by('said'), `Refused: ${await answer.text()}`);
+  } catch (problem) {
+    say(by('said'), `Not sent: ${problem.message}`);
+  }
+}
+
+function choose(what) {
+  page.chosen = what;
+  page.before = null;
+  graphs.show(what?.node != null ? page.ring.nodes[what.node].id : null);
+  if (page.status) picture.update(page.status, page.chosen);
+  details();
+}
+
+const button = (text, ...words) => element('button', { 'data-order': words.join(' '), onclick: () => order(...words) }, text);
+
+function facts(pairs) {
+  const shown = pairs.filter(([, value]) => value !== '' && value != null);
+  return element('dl', {}, ...shown.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, String(value))]));
+}
+
+/** Puts parts into the details, and leaves the focus on the button that had it. */
+function show(title, ...parts) {
+  const focused = document.activeElement?.dataset?.order;
+  by('details').replaceChildren(element('h2', {}, title), ...parts);
+  if (focused) [...by('details').querySelectorAll('button')].find((one) => one.dataset.order === focused)?.focus();
+}
+
+async function details() {
+  const chosen = page.chosen;
+  if (!page.status || !page.ring) return;
+  if (chosen?.line != null) return lineDetails(chosen.line);
+  if (chosen?.node == null)
+    return show('Nothing chosen', element('p', {}, 'Choose a node or a line: by a click, or with arrow keys and Enter.'));
+  const node = page.ring.nodes[chosen.node];
+  const answer = await fetch(`node/${node.id}`).catch(() => null);
+  const row = answer?.ok ? await answer.json().catch(() => null) : null;
+  if (page.chosen === chosen) nodeDetails(node, page.status.rows[chosen.node], row, chosen.node);
+}
+
+function nodeDetails(node, row, full, place) {
+  const next = page.ring.nodes[(place + 1) % page.ring.nodes.length], cpu = full?.cpu ?? {}, trip = row.round_trip_us ?? {};
+  if (!page.before || page.before.pid !== full?.pid) page.before = full;
+  const moved = countersMoved(page.before?.counters, full?.counters);
+  const controls = page.control ? element('div', { class: 'buttons' },
+    button('Hang CPU', 'fault', 'hang', node.name), button('Resume CPU', 'fault', 'resume', node.name),
+    button('Reset CPU', 'reset', node.name), button('Stop joints', 'stop', node.name),
+    button(`Cut line to ${next.name}`, ...lineOrder('cut', node.name, next.name)), button(`Mend line to ${next.name}`, ...lineOrder('heal', node.name, next.name)),
+    button('Kill node', 'fault', 'kill', node.name), button('Start node', 'fault', 'start', node.name)) : '';
+  show(`${node.name} (node ${node.id})`, facts([
+    ['State', row.state + (row.unanswered ? ': ' + row.unanswered : '')], ['Condition', nodeCondition(row).word],
+    ['CPU', [row.cpu, cpu.kind, cpu.boots != null ? `boot ${cpu.boots}` : ''].filter(Boolean).join(', ')],
+    ['Last exit', cpu.last_exit], ['Last reset', cpu.last_reset],
+    ['Stop', cpu.stop?.latched ? 'latched' : cpu.stop?.pulled ? `pulled ${cpu.stop.pulled} times` : ''],
+    ['Faults', (row.faults ?? []).map((fault) => fault.fault).join('; ')],
+    ['Line out', full?.output ? `${full.output.state} to ${nameOf(full.output.to)}, ${loadText(row)}` : ''],
+    ['Line in', full?.input ? `${full.input.state} from ${nameOf(full.input.from)}` : ''],
+    ['Packets out', row.packets_per_second != null ? number(row.packets_per_second) + '/s' : ''],
+    ['Round trip', trip.p50 != null ? `median ${number(trip.p50)}, 99 % ${number(trip.p99)}, most ${number(trip.max)} us` : ''],
+    ['Errors', row.errors], ['Ring of', full?.ring_size], ['Up for', full?.uptime_s != null ? number(full.uptime_s) + ' s' : '']]),
+  controls,
+  element('table', {}, element('caption', {}, 'Counters that moved since it was chosen'),
+    element('tr', {}, element('th', { scope: 'col' }, 'Counter'), element('th', { scope: 'col' }, 'By')),
+    ...moved.slice(0, most_counters).map(([name, count]) => element('tr', {}, element('td', {}, name), element('td', {}, String(count))))));
+}
+
+const nameOf = (id) => page.ring.nodes.find((node) => node.id === id)?.name ?? String(id ?? '-');
+
+function lineDetails(place) {
+  const count = page.ring.nodes.length, from = page.ring.nodes[place], to = page.ring.nodes[(place + 1) % count];
+  const row = page.status.rows[place], line = lineCondition(row, to, page.status.broken_line);
+  const controls = page.control ? element('div', { class: 'buttons' }, button('Cut', ...lineOrder('cut', from.name, to.name)), button('Mend', ...lineOrder('heal', from.name, to.name))) : '';
+  show(`Line ${from.name} to ${to.name}`, facts([
+    ['State', line.word], ['Load', loadText(row)], ['Packets', row.packets_per_second != null ? number(row.packets_per_second) + '/s' : ''],
+    ['Bytes', row.bytes_per_second != null ? bytesText(row.bytes_per_second) + '/s' : ''],
+    ['Rate', row.output?.rate_bit_s ? number(row.output.rate_bit_s / 1e6) + ' Mbit/s' : 'as fast as the host']]), controls);
+}
+
+const take = {
+  view(message) {
+    page.control = message.control;
+    by('orders').hidden = !page.control;
+  },
+  ring(message) {
+    page.ring = message;
+    page.status = null;
+    document.title = `${message.ring} - limb_ring`;
+    strip.setRing(message);
+    graphs.setRing(message);
+    picture.setRing(message);
+    if (page.chosen) choose(page.chosen);
+    else details();
+  },
+  status(message) {
+    page.status = message;
+    say(by('headline'), message.headline.replace(/; virtual clock.*/, ''));
+    say(by('report'), message.report);
+    by('report').hidden = message.report === '';
+    clock(message.clock);
+    picture.update(message, page.chosen);
+    details();
+  },
+  happened(message) {
+    const node = message.node != null ? nameOf(message.node) + ': ' : '';
+    by('events').prepend(element('li', {}, `${timeText(message.time_ns)}  ${node}${message.text}`));
+    while (by('events').children.length > most_events) by('events').lastChild.remove();
+  },
+  packets(message) {
+    strip.add(message);
+    graphs.add(message);
+  },
+  ordered(message) {
+    const ends = ['done', 'it did not happen', 'wrong', 'the ring does not answer', 'nobody knows whether it happened'];
+    say(by('said'), `${message.command}: ${ends[message.code] ?? message.code}. ${message.text.trim()}`);
+    take.happened({ text: `${message.command}: ${message.text.trim()}` });
+  },
+  problem(message) { say(by('said'), message.text); },
+};
+
+function clock(state) {
+  by('clock').hidden = !state || !page.control;
+  if (!state) return;
+  say(by('headline'), `${by('headline').textContent}; ring's time ${state.now_s.toFixed(3)} s${state.paused ? ', paused' : ''}`);
+  say(by('pause'), state.paused ? 'Go on' : 'Pause');
+  if (document.activeElement !== by('pace')) by('pace').value = String(state.pace);
+}
+
+by('pause').addEventListener('click', () => order('clock', page.status.clock.paused ? 'run' : 'pause'));
+by('step').addEventListener('click', () => order('clock', 'step', by('step-time').value));
+by('pace').addEventListener('change', () => order('clock', 'pace', by('pace').value));
+by('stop').addEventListener('click', () => order('stop'));
+by('resume').addEventListener('click', () => order('resume'));
+by('clear').addEventListener('click', () => order('fault', 'clear'));
+
+const dark = matchMedia('(prefers-color-scheme: dark)');
+let theme = localStorage.getItem('theme') ?? 'system';
+function paint() {
+  document.documentElement.dataset.theme = theme === 'system' ? (dark.matches ? 'dark' : 'light') : theme;
+  say(by('theme'), `Theme: ${theme === 'system' ? 'as the system' : theme}`);
+}
+by('theme').addEventListener('click', () => {
+  theme = { system: 'light', light: 'dark', dark: 'system' }[theme];
+  localStorage.setItem('theme', theme);
+  paint();
+});
+dark.addEventListener('change', paint);
+paint();
+
+const events = new EventSource('events');
+for (const [kind, act] of Object.entries(take)) events.addEventListener(kind, (event) => act(JSON.parse(event.data)));
+events.addEventListener('error', () => say(by('said'), "No connection; trying again. If 'ringctl view' was started anew, open the address that it printed."));
+events.addEventListener('open', () => say(by('said'), ''));
