@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include "config/ring_config.h"
 #include "io/signal_wait.h"
@@ -15,6 +16,7 @@
 #include "tools/cli/values.h"
 #include "tools/common/out_file.h"
 #include "tools/common/rows.h"
+#include "tools/common/timeline.h"
 #include "tools/ringctl/command/commands.h"
 #include "tools/ringctl/live/play_live.h"
 #include "tools/ringctl/problems.h"
@@ -31,7 +33,7 @@ using scenario::ScenarioRun;
 
 struct ScenarioOptions {
   std::vector<std::string> files;
-  std::string junit, capture;
+  std::string junit, capture, perfetto;
   std::optional<std::uint64_t> seed;
   std::string transport, log;
   bool live = false, json = false, outputs = false;
@@ -51,8 +53,10 @@ void require_none_of(const std::vector<std::string>& scenarios, const std::strin
 
 /// @throw UsageError where two options name one file: it would be neither
 void require_files_of_their_own(const ScenarioOptions& options) {
-  const std::pair<const char*, const std::string&> outputs[] = {
-      {"--junit", options.junit}, {"--capture", options.capture}, {"--log", options.log}};
+  const std::pair<const char*, const std::string&> outputs[] = {{"--junit", options.junit},
+                                                                {"--capture", options.capture},
+                                                                {"--perfetto", options.perfetto},
+                                                                {"--log", options.log}};
   for (const auto& one : outputs)
     for (const auto& other : outputs)
       if (&one < &other && app::is_same_output(one.second, other.second))
@@ -69,12 +73,16 @@ std::ofstream open_output(const std::string& path, const std::vector<std::string
   return out;
 }
 
+/// Of --capture or --perfetto.
 std::ofstream open_capture(const ScenarioOptions& options) {
-  if (options.capture.empty()) return {};
+  const bool timeline = options.capture.empty();
+  const std::string& path = timeline ? options.perfetto : options.capture;
+  const std::string option = timeline ? "--perfetto" : "--capture";
+  if (path.empty()) return {};
   if (options.live)
-    throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl traffic show'");
-  if (options.files.size() != 1) throw UsageError("--capture: one scenario at a time, its times begin at 0");
-  return open_output(options.capture, options.files);
+    throw UsageError(option + ": under the virtual clock alone; beside --live there is 'ringctl traffic show'");
+  if (options.files.size() != 1) throw UsageError(option + ": one scenario at a time, its times begin at 0");
+  return open_output(path, options.files);
 }
 
 void require_live(const Scenario& scenario, const std::string& transport) {
@@ -178,16 +186,20 @@ int run(const ScenarioOptions& options) {
   std::ofstream junit = open_output(options.junit, options.files);
   const std::vector<Scenario> scenarios = load_all(options, junit);
   std::ofstream capture = open_capture(options);
+  std::stringstream captured;  // for a timeline
+  std::ostream* capture_to = capture.is_open() ? &capture : nullptr;
+  if (!options.perfetto.empty()) capture_to = &captured;
   std::vector<ScenarioRun> runs;
   std::string log_problem;
   process::SignalWait signals;
   try {
     for (const Scenario& scenario : scenarios) {
       throw_if_interrupted(signals);
-      runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr, log_problem, signals));
+      runs.push_back(play(scenario, options, capture_to, log_problem, signals));
       if (!options.json) std::cout << text_of(runs.back()) << std::endl;
     }
-    if (capture.is_open()) finish(capture, options.capture);
+    if (!options.perfetto.empty()) app::write_timeline(capture, captured, "the run");
+    if (capture.is_open()) finish(capture, options.perfetto.empty() ? options.capture : options.perfetto);
   } catch (const std::exception& problem) {  // interrupted, for one: what was found so far is not lost
     report_so_far(runs, options, junit, scenarios, problem.what());
     throw;
@@ -226,6 +238,8 @@ void add_outputs(CLI::App& command, ScenarioOptions& options) {
   command.add_option("--junit", options.junit, "Write JUnit XML there");
   CLI::Option* capture =
       command.add_option("--capture", options.capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  command.add_option("--perfetto", options.perfetto, "Write them there as a timeline, which ui.perfetto.dev loads")
+      ->excludes(capture);
   command.add_flag("--outputs", options.outputs, "Also as they leave each node: 'ringctl traffic why' needs that")
       ->needs(capture);
 }
