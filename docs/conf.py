@@ -19,3 +19,19 @@ exclude_patterns = ['_build']
 html_theme = 'furo'
 html_title = 'limb_ring ' + release
 nitpicky = True
+
+
+def _unlink(name, text):
+    """The HTML stands alone: a link to a file outside of docs/ becomes its text."""
+    def link(match):
+        target = match.group(2).split('#')[0]
+        path = os.path.normpath(os.path.join(_HERE, os.path.dirname(name), target))
+        stays = not target or '://' in target or path.startswith(_HERE + os.sep)
+        return match.group(0) if stays else match.group(1)
+    return re.sub(r'\[([^\]]+)\]\(([^)\s]+)\)', link, text)
+
+
+def setup(app):
+    def read(_, name, source):
+        source[0] = _unlink(name, source[0])
+    app.connect('source-read', read)

@@ -43,7 +43,7 @@ void EventRouter::on_link(std::string_view what) {
 }
 
 void EventRouter::handle(const core::SendEnded& ended) {
-  if (ended.outcome == core::Outcome::delivered) to_.round_trips.add(ended.round_trip);
+  if (ended.outcome == core::Outcome::delivered) to_.round_trips.add(to_.driver.now(), ended.round_trip);
   const SendOwner owner = SendOwner::from_core(ended.owner);
   switch (owner.kind) {
     case SendOwner::Kind::client:

@@ -56,7 +56,7 @@ class EventRouter final : public DriverListener {
   void handle(const core::PinPulled& pin);
   void handle(const core::StateChanged& change);
   void handle(const core::PeerChanged& peer) { to_.interrupts.on_cpu_changed(peer.node); }
-  void handle(const core::BeaconHome& beacon) { to_.round_trips.add(beacon.round_trip); }
+  void handle(const core::BeaconHome& beacon) { to_.round_trips.add(to_.driver.now(), beacon.round_trip); }
   void tell_client(host::ClientId client, const core::SendEnded& ended);
   void look_at_neighbours();
 

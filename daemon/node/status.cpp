@@ -23,7 +23,7 @@ json cpu_json(const CpuSocket& cpu, core::Time now) {
   const CpuStatus s = cpu.status();
   return {{"kind", to_string(s.kind)},
           {"pid", s.pid > 0 ? json(s.pid) : json()},
-          {"stopped", s.pid > 0 && process::is_stopped(s.pid)},
+          {"hung", s.pid > 0 && process::is_stopped(s.pid)},
           {"boots", s.boots},
           {"state", to_string(s.state)},
           {"silent_ms", s.silent.count()},
@@ -226,7 +226,7 @@ json status_row(const StatusSources& from) {
             {{"state", ends.to ? "up" : "down"},
              {"to", ends.to ? json(*ends.to) : json()},
              {"rate_bit_s", rate_json(driver.controller().settings())}}},
-           {"round_trip_us", to_json(from.round_trips.get())},
+           {"round_trip_us", from.round_trips.to_json(driver.now())},
            {"received", driver.controller().counters().received_data},
            {"waiting", driver.controller().received_waiting()},
            {"broken_line", broken_line_json(from)},

@@ -37,7 +37,7 @@ StopState state_in(const json& row, milliseconds age) {
   const json pulled = pulled_ms(row);
   if (!pulled.is_number() || pulled > age.count()) return StopState::not_reached;
   if (comes_back(state, kind)) return StopState::booting;
-  return state == "silent" || cpu.value("stopped", false) ? StopState::silent : StopState::told;
+  return state == "silent" || cpu.value("hung", false) ? StopState::silent : StopState::told;
 }
 
 StopState state_in_beacon(const json& heard, bool delivered) {

@@ -231,30 +231,28 @@ class Ring:
             raise RingError('ringctl %s: exit code %d: %s' % (' '.join(command[1:]), done.returncode, said))
         return done.stdout
 
-    def status(self):
-        """What `ringctl status --json` says."""
-        return json.loads(self.ctl('status', '--json'))
-
-    def node(self, node):
-        """The row of one node: 'state', 'ring_size', 'cpu', 'counters' ..."""
-        rows = self.status()['nodes']
+    def status(self, node=None):
+        """What `ringctl status --json --all` says; with a node its row alone: 'state', 'ring_size', 'cpu', 'counters' ...
+        @raise RingError where the ring has no such node"""
+        status = json.loads(self.ctl('status', '--json', '--all'))
+        if node is None:
+            return status
+        rows = status['nodes']
         for row in rows:
             if node in (row['id'], str(row['id']), row.get('name')):
                 return row
         raise _no_node(node, rows)
 
     def cpu(self, node):
-        """'state', 'boots', 'pid' of a node's CPU."""
-        return self.node(node)['cpu']
+        """'state', 'boots', 'pid' of a node's CPU; the state is a word of `ringctl status`: 'running', 'hung', 'stopped' ..."""
+        return self.status(node)['cpu']
 
-    def wait(self, node, state, timeout=10.0):
-        """Until a node or its CPU is so, in the words of `ringctl status`: 'up', 'down', 'running', 'hung' ...
+    def wait(self, what, state=None, timeout=10.0):
+        """As `ringctl wait`: wait('up') until all nodes are up and the CPUs that ringd starts run; wait('knee', 'hung')
+        until a node or its CPU is in that state, in the words of `ringctl status`: 'up', 'down', 'running', 'hung' ...
         @raise RingError that says what it is instead"""
-        self.ctl('wait', node, state, '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
-
-    def wait_up(self, timeout=10.0):
-        """Until all nodes are up and the CPUs that ringd starts run."""
-        self.ctl('wait', 'up', '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
+        words = [what] if state is None else [what, state]
+        self.ctl('wait', *words, '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
 
     def fault(self, kind, place, /, **options):
         """As `ringctl fault`: fault('cut', 'hip:knee'), fault('hang', 'knee', duration=2), fault('drop', 'hip:knee',

@@ -17,6 +17,7 @@ struct NamedByHelp {
     std::istringstream lines(help);
     bool behind_subcommands = false;
     for (std::string line; std::getline(lines, line);) {
+      if (line.empty()) behind_subcommands = false;
       // "Subcommands:", or the title of another group of them
       if (std::regex_match(line, std::regex("[A-Z][a-z_ ]+:")))
         behind_subcommands = line != "Options:" && line != "Positionals:";
@@ -49,7 +50,15 @@ std::vector<std::string> completed(const Run& run, std::vector<std::string> word
   return all;
 }
 
-/// All that --help names is completed, of the program (no words), a subcommand, and all theirs.
+/// Lines fit a terminal, but for one word that is longer.
+inline void expect_narrow(const std::string& help) {
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_TRUE(line.size() <= 80 || line.find(' ', line.find_first_not_of(' ')) == std::string::npos) << line;
+}
+
+/// A --help fits a terminal and has an example. All that it names is completed, of the program (no words), a
+/// subcommand, and all theirs.
 template <typename Run>
 void expect_help_completed(const Run& run, const std::vector<std::string>& words = {}) {
   using ::testing::IsSupersetOf;
@@ -58,7 +67,10 @@ void expect_help_completed(const Run& run, const std::vector<std::string>& words
     all.push_back(word);
     return all;
   };
-  const NamedByHelp named(run(with("--help")).out);
+  const std::string help = run(with("--help")).out;
+  EXPECT_THAT(help, ::testing::HasSubstr("\nExample: ")) << ::testing::PrintToString(words);
+  expect_narrow(help);
+  const NamedByHelp named(help);
   ASSERT_FALSE(named.options.empty());
   EXPECT_THAT(completed(run, with("-")), IsSupersetOf(named.options)) << ::testing::PrintToString(words);
   EXPECT_THAT(completed(run, with("")), IsSupersetOf(named.subcommands)) << ::testing::PrintToString(words);

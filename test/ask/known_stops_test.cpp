@@ -44,7 +44,7 @@ json hears(bool latched, const char* cpu, int age_ms) {
 StopState of(const char* state, const char* kind, const json& pulled_ms, bool process_is_stopped = false) {
   json told = row(state, false, pulled_ms);
   told["cpu"]["kind"] = kind;
-  told["cpu"]["stopped"] = process_is_stopped;
+  told["cpu"]["hung"] = process_is_stopped;
   return known_stops({{0, "body"}}, {{0, told}}, 20ms)[0].state;
 }
 

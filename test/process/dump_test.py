@@ -263,10 +263,11 @@ class Top(Looking):
         daemons[3].kill()
         self.wait_closed(range(3))
         lines = self.ctl('status', '--watch', '--once', '--interval', '0.1').stdout.splitlines()
-        self.assertEqual(len(lines), 6)
+        self.assertEqual(len(lines), 7)
         self.assertLessEqual(max(len(line) for line in lines), 80)
         self.assertIn('3 of 4 nodes up', lines[0])
         self.assertIn('down', lines[5])
+        self.assertRegex(lines[6], r'^round trips of the last \d+ s$')
 
     def test_redraws_until_q_and_leaves_the_terminal_as_it_was(self):
         self.start_ring(plain_nodes(2))

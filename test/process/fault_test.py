@@ -218,7 +218,7 @@ class Cpus(FaultTest):
         pid = self.start_limb()['pid']
         self.assertEqual(self.begin('hang', 'node1'), ['node1.1'])
         self.assertEqual(process_state(pid), 'T')
-        self.assertRegex(self.ctl('status').stdout, r'(?m)^ *1 +node1 +up .* stopped ')
+        self.assertRegex(self.ctl('status').stdout, r'(?m)^ *1 +node1 +up .* hung ')
         self.assertEqual(self.listed()['node1.1']['fault'], 'hang node1')
         self.assertEqual(self.fault('resume', 'node1'), 'done: resume node1\n')
         self.assertNotEqual(process_state(pid), 'T')
@@ -304,9 +304,10 @@ class Words(FaultTest):
         for word, option, needed in (('rate', 'rate', 'required'), ('flap', 'every', 'required'), ('slow', 'every', 'required'),
                                      ('delay', 'delay', '--delay or --jitter is required'),
                                      ('delay', 'jitter', '--delay or --jitter is required')):
-            self.assertRegex(self.ctl('fault', word, '--help').stdout, r'(?m)^  --%s TEXT .*; %s$' % (option, needed))
+            text = ' '.join(self.ctl('fault', word, '--help').stdout.split())
+            self.assertRegex(text, r' --%s TEXT (?:(?! --|; ).)*(?:; (?!%s)(?:(?! --|; ).)*)*; %s --' % (option, needed, needed))
         for word in 'babble', 'drop', 'cut', 'hang':
-            self.assertNotRegex(self.ctl('fault', word, '--help').stdout, r'(?m)^  --.*required')
+            self.assertNotRegex(self.ctl('fault', word, '--help').stdout, r'; required')
 
     def test_wrong_words_are_refused_with_what_would_be_right(self):
         self.start_ring(plain_nodes(3))

@@ -45,7 +45,7 @@ class TwoHosts(HostsTest):
 
     def datagrams_in(self):
         return {row['name']: row['counters']['input_datagrams'] for host in self.hosts
-                for row in self.json_on(host, 'status')['nodes'] if row['name'].startswith(host)}
+                for row in self.json_on(host, 'status', '--all')['nodes'] if row['name'].startswith(host)}
 
     def test_host_killed_whole_is_bypassed_and_back(self):
         self.up_all()
@@ -89,11 +89,11 @@ class FromOneHostToTheOther(HostsTest):
     def test_stop_and_resume_are_seen_on_both(self):
         self.assertIn('4 of 4 stopped', self.on('waist', 'stop'))
         for host in self.hosts:
-            self.wait('stops', lambda: 'stop latched at all nodes' in self.on(host, 'status'))
+            self.wait('stops', lambda: 'stopped: all nodes' in self.on(host, 'status'))
         self.on('head', 'resume', 'waist1')
         self.on('waist', 'resume')
         for host in self.hosts:
-            self.wait('no stops', lambda: 'stop latched' not in self.on(host, 'status'))
+            self.wait('no stops', lambda: 'stopped: ' not in self.on(host, 'status'))
         self.assertIn('1 of 1 stopped', self.on('waist', 'stop', 'head0'))
 
     def test_sync_has_the_clocks_of_both(self):
@@ -219,7 +219,7 @@ class WrongUse(HostsTest):
 
     def test_all_of_it_on_one_machine(self):
         self.on('waist', 'up', self.config, '--host', 'all', '--detach', '--timeout', 30)
-        rows = self.json_on('waist', 'status')['nodes']
+        rows = self.json_on('waist', 'status', '--all')['nodes']
         self.assertEqual([row['counters']['input_datagrams'] for row in rows], [0] * 4)
         self.on('waist', 'down')
 

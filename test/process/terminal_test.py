@@ -304,7 +304,7 @@ class EightyColumns(RingTest):
         top = self.ctl('status', '--watch', '--once', '--interval', '0.1').stdout.splitlines()
         self.assertTrue(top[0].startswith(status[0]), (top[0], status[0]))
         for text in (status, top):
-            self.assertRegex(text[3], 'node1 .* stopped')
+            self.assertRegex(text[3], 'node1 .* hung')
             self.assertRegex(text[4], 'node2 .*frozen')
 
     def test_top_waits_for_no_daemon_that_is_frozen(self):

@@ -20,7 +20,7 @@ class Virtual(VirtualTest):
         self.ring_ctl('clock', 'sync', '--from', '0')
         self.ring_ctl('wait', 'up', '--timeout', 60)  # a stop reaches the CPUs that have booted
         self.ring_ctl('stop')
-        self.assertRegex(self.ring_ctl('status'), r'(?m)^ *1 .* latched ')
+        self.assertRegex(self.ring_ctl('status'), r'(?m)^ *1 .* stopped ')
         self.ring_ctl('resume')
         self.ring_ctl('wait', 'up', '--timeout', 60)
         before = self.wait_cpu(1, 'running')

@@ -76,7 +76,7 @@ def test_a_packet_that_comes_with_a_signal_stays_for_the_next_receive(ring, alar
 
 @needs_ring
 def test_a_result_or_an_answer_that_comes_with_a_signal_stays_for_the_next_wait(ring, alarms):
-    port, pid = ring.port('spare'), ring.node('spare')['pid']
+    port, pid = ring.port('spare'), ring.status('spare')['pid']
     for ask, wait in ((lambda: port.send(0, b'x'), port.wait), (lambda: port.request({'do': 'status'}), port.answer)):
         os.kill(pid, signal.SIGSTOP)
         token = ask()

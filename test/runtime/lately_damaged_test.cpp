@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "node/round_trips.h"
+
 namespace limb_ring::runtime {
 namespace {
 
@@ -38,6 +40,20 @@ TEST(LatelyDamaged, ForgetsWhatIsOverWhereMoreComes) {
   LatelyDamaged lately;
   for (unsigned i = 1; i <= 100; ++i) lately.look(kStart + seconds(i), counted(i, 0));
   EXPECT_EQ(lately.counts(kStart + seconds(100)).crc_errors, 11u);
+}
+
+TEST(RoundTrips, AreOfTheLastMinuteSoThatOnePauseIsForgotten) {
+  RoundTrips trips;
+  EXPECT_TRUE(trips.to_json(kStart)["since_s"].is_null());
+  trips.add(kStart, seconds(1));  // a pause of the machine
+  trips.add(kStart + seconds(30), milliseconds(2));
+  const auto both = trips.to_json(kStart + seconds(60));
+  EXPECT_EQ(both["max"], 1e6);
+  EXPECT_EQ(both["since_s"], 60.0);
+  const auto later = trips.to_json(kStart + seconds(61));
+  EXPECT_EQ(later["max"], 2e3);
+  EXPECT_EQ(later["samples"], 1);
+  EXPECT_EQ(later["since_s"], 31.0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "config/names.h"
 #include "tools/cli/app_parts.h"
@@ -13,6 +14,8 @@ namespace limb_ring::cli {
 namespace {
 
 constexpr int kDone = 0, kWrong = 2;
+constexpr std::size_t kColumns = 80;
+constexpr std::size_t kColumn = 24;  // where the description of an option begins
 
 using Words = std::vector<std::string>;
 
@@ -135,9 +138,41 @@ void set_formatter(CLI::App& app, const std::shared_ptr<CLI::Formatter>& formatt
   for (CLI::App* part : app.get_subcommands([](CLI::App*) { return true; })) set_formatter(*part, formatter);
 }
 
+/// Where what is left of a line goes on: below the description of an option, or deeper than the line began.
+std::size_t hanging(const std::string& line) {
+  const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+  if (begin == 0 || begin >= kColumn) return begin;
+  const std::size_t gap = line.find("  ", begin);
+  const std::size_t behind = gap == std::string::npos ? gap : line.find_first_not_of(' ', gap);
+  return behind == kColumn ? kColumn : begin + 2;
+}
+
+/// The line in lines of at most kColumns, broken between words. What is longer than that alone stays whole.
+std::string fitted_line(std::string line) {
+  const std::string margin(hanging(line), ' ');
+  std::string text;
+  while (line.size() > kColumns) {
+    std::size_t at = line.rfind(' ', kColumns);
+    if (at == std::string::npos || at <= margin.size()) at = line.find(' ', kColumns);
+    if (at == std::string::npos) break;
+    text += line.substr(0, line.find_last_not_of(' ', at) + 1) + '\n';
+    line = margin + line.substr(at + 1);
+  }
+  return text + line;
+}
+
+/// A terminal's 80 columns, also in a file: the page of commands is the same everywhere.
+std::string fitted(const std::string& help) {
+  std::istringstream lines(help);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) text += fitted_line(line) + '\n';
+  return text;
+}
+
 /// How --help calls what an option takes.
 void label(CLI::App& app) {
   auto formatter = std::make_shared<CLI::Formatter>();
+  formatter->column_width(kColumn);
   for (const char* number : {"UINT", "INT", "FLOAT"}) formatter->label(number, "N");
   formatter->label("ENUM", "WORD");
   formatter->label("REQUIRED", "(required)");
@@ -147,6 +182,12 @@ void label(CLI::App& app) {
 }  // namespace
 
 const char* version() { return LIMB_RING_VERSION; }
+
+std::string footer(const std::string& more, const std::string& example, const std::string& exit_codes) {
+  std::string text = more.empty() || more.back() == '\n' ? more : more + '\n';
+  if (!example.empty()) text += "Example: " + example + '\n';
+  return text + exit_codes;
+}
 
 std::optional<std::string> read(CLI::App& app, Words arguments, const NamesOf& names) {
   drop_words_of_roslaunch(arguments);
@@ -163,7 +204,7 @@ std::optional<std::string> read(CLI::App& app, Words arguments, const NamesOf& n
     app.parse(arguments);
   } catch (const CLI::CallForHelp&) {
     check_left_over(app);
-    return app.help();
+    return fitted(app.help());
   } catch (const CLI::ParseError& error) {
     explain(app, error);
   }

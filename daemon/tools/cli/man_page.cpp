@@ -1,5 +1,6 @@
 #include "tools/cli/man_page.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "tools/cli/app_parts.h"
@@ -9,7 +10,8 @@ namespace limb_ring::cli {
 
 namespace {
 
-constexpr const char* kExitCodes = "Exit code";  // where a text of --help begins to tell them
+// Where a text of --help begins to tell them.
+constexpr const char *kExitCode = "Exit code: ", *kExitCodes = "Exit codes: ";
 
 struct Text {
   std::string description, exit_status;
@@ -25,7 +27,7 @@ bool has_own_footer(const CLI::App& app) {
 Text text_of(const CLI::App& app) {
   std::string all = app.get_description() + "\n";
   if (has_own_footer(app)) all += ".PP\n" + app.get_footer() + "\n";
-  const std::size_t at = all.find(kExitCodes);
+  const std::size_t at = std::min(all.find(kExitCode), all.find(kExitCodes));
   if (at == std::string::npos) return {all, {}};
   return {all.substr(0, at), all.substr(all.find(": ", at) + 2)};
 }

@@ -9,10 +9,11 @@ namespace limb_ring::firmware {
 namespace {
 
 constexpr double kLongest = 1e9;  // seconds
-constexpr const char* kFooter =
-    "A user packet \"hang\" makes it hang: reads nothing, says nothing, ignores SIGTERM.\n"
-    "Exit codes: 0 on SIGTERM and SIGINT, 1 when its daemon is gone or not there, 2 on\n"
-    "wrong arguments or configuration, N when a user packet (channel 0) says \"exit N\".";
+constexpr const char* kOnPurpose =
+    "A user packet (channel 0) \"hang\" makes it hang: it reads nothing, says nothing and ignores SIGTERM.";
+constexpr const char* kExitCodes =
+    "Exit codes: 0 on SIGTERM and SIGINT, 1 if its daemon is gone or not there, 2 on wrong arguments or configuration, "
+    "N if a user packet says \"exit N\".";
 
 /// What is asked for instead of a run; empty where nothing is.
 std::string read(CLI::App& app, int argc, const char* const* argv) {
@@ -29,11 +30,11 @@ Options parse_options(int argc, const char* const* argv) {
   Options options;
   double hang_after_s = 0, endless_loop_at_s = 0;
   CLI::App app("The CPU of a limb node, with simulated joints.", "limb_firmware");
-  app.footer(kFooter);
+  app.footer(cli::footer(kOnPurpose, "limb_firmware --config leg8.yaml --node left_knee", kExitCodes));
   app.add_option("--config", options.config, "YAML of the ring; without one there are no joints")
       ->envname("LIMB_RING_CONFIG");
   app.add_option("--node", options.node, "The node this is the CPU of, id or name")->envname("LIMB_RING_NODE");
-  app.add_option("--ring", options.ring, "Name of the ring, where several run")->envname("LIMB_RING_RING");
+  app.add_option("--ring", options.ring, "Name of the ring, if several run")->envname("LIMB_RING_RING");
   const CLI::Option* hang = app.add_option("--hang-after", hang_after_s,
                                            "Hang on purpose this long after the start, such as 1.5s; 0 to 1e9 s")
                                 ->transform(cli::seconds(0, kLongest));

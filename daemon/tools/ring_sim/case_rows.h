@@ -17,7 +17,7 @@ constexpr const char* kCasesHelp =
     "  interrupt_bound: the worst INTP that was seen while all nodes send; at most N (d + i + 8 bytes)\n"
     "  saturated: all nodes always send, in step; how much of the time the lines are in use\n"
     "  random: all nodes always send, from random instants on; at most N (T + d)\n"
-    "  payload: all nodes always send; how much of what is on the lines is data\n";
+    "  payload: all nodes always send; how much of what is on the lines is data";
 
 /// "saturated, 16 nodes, 512 bytes"
 std::string case_words(study::Case which, const study::Medium& medium);

@@ -16,9 +16,10 @@
 
 namespace limb_ring::ring_sim {
 
-CLI::App* add_command(CLI::App& app, const char* name, const char* description) {
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& example, const std::string& more) {
   CLI::App* command = app.add_subcommand(name, description);
-  command->footer(kExitCodesHelp);
+  command->footer(cli::footer(more, example, kExitCodesInShort));
   return command;
 }
 
@@ -37,7 +38,7 @@ constexpr std::uint64_t kMostRate = 100'000'000'000;
 std::string read_rate(const std::string& text, study::Medium& medium) {
   const auto rate = config::parse_rate(text);
   if (!rate || *rate < 1000 || *rate > kMostRate)
-    return "'" + text + "' is no rate: 1kbit/s to 100Gbit/s, as 1Gbit/s, 16Mbit/s or a number of bit/s";
+    return "'" + text + "' is not a rate: 1kbit/s to 100Gbit/s, as 1Gbit/s, 16Mbit/s or a number of bit/s";
   medium.rate = *rate;
   return {};
 }
@@ -45,7 +46,7 @@ std::string read_rate(const std::string& text, study::Medium& medium) {
 std::string read_delay(const std::string& text, study::Medium& medium) {
   const auto delay = config::parse_time(text);
   if (!delay || delay->count() < 0 || *delay > std::chrono::seconds(1))
-    return "'" + text + "' is no time of 0s to 1s, with its unit: 512ns, 1us";
+    return "'" + text + "' is not a time of 0s to 1s, with its unit: 512ns, 1us";
   medium.relay_delay = *delay;
   return {};
 }
@@ -115,7 +116,7 @@ int act(const Context& context, int argc, char** argv) {
 int run_command_line(int argc, char** argv) {
   Context context;
   CLI::App app("The ring of limb_ring under a virtual clock: the very core that ringd runs.", "ring_sim");
-  app.footer(kExitCodesHelp);
+  app.footer(cli::footer("", "ring_sim plan leg8 --simulate", kExitCodesHelp));
   app.require_subcommand(1);
   add_run(app, context);
   add_plan(app, context);

@@ -13,8 +13,12 @@ struct Context {
   std::function<int()> action;  ///< set by the subcommand given; @return an ExitCode
 };
 
-/// Adds a subcommand with the exit codes in its help.
-CLI::App* add_command(CLI::App& app, const char* name, const char* description);
+/// Adds a subcommand.
+/// @param description what the list of commands says of it: one line
+/// @param example a whole command line
+/// @param more what else its own --help says
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& example, const std::string& more = {});
 
 /// Adds --json and --csv.
 void add_format(CLI::App& command, app::Format& format);

@@ -40,8 +40,8 @@ int run(CompareOptions& options) {
 
 void add_compare(CLI::App& app, Context& context) {
   auto options = std::make_shared<CompareOptions>();
-  CLI::App* command =
-      add_command(app, "compare", "Measure the ring beside ARCNET, EtherCAT, SERCOS II, Responsive Link and CAN");
+  CLI::App* command = add_command(app, "compare", "Compare with ARCNET, EtherCAT, SERCOS II, CAN ...",
+                                  "ring_sim compare --nodes 16 --payload 64");
   add_medium(*command, options->comparison.medium);
   add_seed(*command, options->comparison.seed);
   add_format(*command, options->format);

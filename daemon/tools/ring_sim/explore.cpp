@@ -124,7 +124,7 @@ constexpr const char* kExploreHelp =
     "or frozen for 3 ms, a line cut and mended 3 ms later; and, counted like a fault, an INTP sent by a node just "
     "then. Between two strikes at least one slice leaves. A run that comes into a state in which another one was "
     "ends there, since both would go on in the same way: its states are compared, by a hash of 64 bits, after every "
-    "slice while more may strike, and when all sends have ended.\n";
+    "slice while more may strike, and when all sends have ended.";
 
 void add_size(CLI::App& command, study::World& world) {
   command.add_option("--nodes", world.nodes, "Nodes of the ring, 2 to 6; default 3")->transform(cli::whole(2, 6));
@@ -137,11 +137,11 @@ void add_bounds(CLI::App& command, ExploreOptions& options) {
   study::Exploration::Bounds& bounds = options.bounds;
   command
       .add_option("--faults", bounds.faults,
-                  "At most so many in a run, 0 to 3; default 1. Each one more takes some hundred times as long")
+                  "At most N in a run, 0 to 3; default 1. One more takes some hundred times as long")
       ->transform(cli::whole(0, 3));
   command
       .add_option("--places", bounds.places,
-                  "Faults fall at the first so many places of a run alone, 1 to 1000000; default: at all")
+                  "Faults fall only at the first N places of a run, 1 to 1000000; default: at all")
       ->transform(cli::whole(1, study::Exploration::kAllPlaces));
   command.add_flag("--all-runs", options.all_runs, "Runs each to its end: states met before are not recognised");
   bounds.threads = std::max(1u, std::thread::hardware_concurrency());
@@ -177,17 +177,13 @@ int run(ExploreOptions& options) {
 
 void add_explore(CLI::App& app, Context& context) {
   auto options = std::make_shared<ExploreOptions>();
-  CLI::App* command = add_command(
-      app, "explore",
-      "A small ring with a few sends, once with each fault at each place where it can fall, and with each further "
-      "fault behind that: not a sample but all; every promise of the ring checked at every event; stops at the first "
-      "that is broken");
-  command->footer(kExploreHelp + std::string(kExitCodesHelp));
+  CLI::App* command = add_command(app, "explore", "Check all promises under every fault at every place",
+                                  "ring_sim explore --nodes 3 --faults 2", kExploreHelp);
   add_size(*command, options->world);
   add_bounds(*command, *options);
   add_line_options(*command, options->world);
   CLI::Option* only =
-      command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; or none");
+      command->add_option("--only", options->only, "Only one run, with these strikes: 12:lost,20:restart:1; or none");
   for (const char* of_many : {"--faults", "--places", "--threads", "--all-runs"}) only->excludes(of_many);
   add_format(*command, options->format);
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });

@@ -34,7 +34,7 @@ struct PlanOptions {
 std::string check_duration(const std::string& text) {
   const auto time = config::parse_time(text);
   if (time && time->count() > 0 && *time <= kLongest) return {};
-  return "'" + text + "' is no time above 0s up to 3600s, with its unit: 500ms, 10s";
+  return "'" + text + "' is not a time above 0s up to 3600s, with its unit: 500ms, 10s";
 }
 
 PlanReport make_report(const PlanOptions& options) {
@@ -101,10 +101,10 @@ int run(const PlanOptions& options) {
 
 void add_plan(CLI::App& app, Context& context) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* command = add_command(
-      app, "plan",
-      "Worst latency of everything that a ring's file makes its nodes send, and whether the ring carries it. "
-      "Lines without a rate in the file are taken to have --rate and --relay-delay");
+  CLI::App* command =
+      add_command(app, "plan", "Compute the worst latencies of a ring's file", "ring_sim plan leg8 --simulate",
+                  "Covers everything that the file makes nodes send, and says if the ring carries it. Lines without "
+                  "a rate in the file get --rate and --relay-delay.");
   command->add_option("CONFIG", options->config, "The ring's YAML file, or its name, such as leg8")->required();
   add_lines(*command, options->medium);
   command
@@ -124,7 +124,7 @@ void add_plan(CLI::App& app, Context& context) {
   command->callback([&context, command, options] {
     context.action = [command, options] {
       if (command->count("--seed") != 0 && !options->simulate)
-        throw UsageError("--seed goes with --simulate: a plan alone draws nothing at random");
+        throw UsageError("--seed goes with --simulate: a plan without it draws nothing at random");
       return run(*options);
     };
   });

@@ -84,14 +84,14 @@ int run(const RunOptions& options) {
 
 void add_run(CLI::App& app, Context& context) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = add_command(app, "run", "One case, with its distribution, line occupancy and trace hash");
-  command->footer(kCasesHelp + std::string(kExitCodesHelp));
+  CLI::App* command = add_command(app, "run", "Run one case, and print what was measured",
+                                  "ring_sim run --case adversarial --nodes 16", kCasesHelp);
   std::map<std::string, Case> cases;
   for (const Case which : study::kCases) cases[to_string(which)] = which;
   command
       ->add_option("--case", options->which,
                    "alone, simultaneous, adversarial, request, delivery, interrupt, interrupt_bound, saturated, "
-                   "random or payload, as said below; default alone")
+                   "random or payload (see below); default alone")
       ->transform(cli::word_of(cases));
   add_medium(*command, options->medium);
   add_seed(*command, options->seed);

@@ -73,7 +73,7 @@ bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
     progress.tell("the smallest scenario of seed " + std::to_string(seed) + ": " + std::to_string(runs) + " tried");
   });
   if (!shrunk) {
-    std::cerr << "As a scenario it does not fail: the seed alone shows it.\n";
+    std::cerr << "As a scenario it does not fail: only the seed shows it.\n";
     return true;
   }
   const std::string path = (std::filesystem::path(folder) / ("soak-" + std::to_string(seed) + ".yaml")).string();
@@ -170,9 +170,9 @@ constexpr std::uint64_t kLastSeed = std::numeric_limits<std::int64_t>::max();  /
 void add_seeds(CLI::App& command, SoakOptions& options) {
   command.add_option("--seeds", options.seeds, "How many, 1 to 100000000; default 1000")
       ->transform(cli::whole(1, kMostSeeds));
-  command.add_option("--first", options.first, "The first of them, above 0; drawn and printed where it is not given")
+  command.add_option("--first", options.first, "The first seed, above 0; default: drawn at random, and printed")
       ->transform(cli::whole(1, static_cast<std::int64_t>(kLastSeed)));
-  command.add_option("--failures", options.failures, "Stop after so many broken seeds; default 1")
+  command.add_option("--failures", options.failures, "Stop after N broken seeds; default 1")
       ->transform(cli::whole(1, kMostSeeds));
 }
 
@@ -228,9 +228,9 @@ void check(const SoakOptions& options) {
 
 void add_soak(CLI::App& app, Context& context) {
   auto options = std::make_shared<SoakOptions>();
-  CLI::App* command = add_command(app, "soak",
-                                  "Rings under random traffic and random faults, by seed, every promise of the ring "
-                                  "checked at every event; stops at the first that is broken");
+  CLI::App* command =
+      add_command(app, "soak", "Check all promises under random traffic and faults", "ring_sim soak --seeds 5000",
+                  "Checks at every event, and stops at the first broken promise.");
   add_seeds(*command, *options);
   add_world(*command, *options);
   add_shrink(*command, *options);

@@ -87,13 +87,11 @@ int run(const TableOptions& options) {
 
 void add_table(CLI::App& app, Context& context) {
   auto options = std::make_shared<TableOptions>();
-  CLI::App* command = add_command(app, "table",
-                                  "Every case of the paper's figures, formula beside measurement; then for 2 to 254 "
-                                  "nodes, and other payloads");
-  command->footer(kCasesHelp + std::string(kExitCodesHelp));
+  CLI::App* command = add_command(app, "table", "Print every case of the paper, formula and measured",
+                                  "ring_sim table --only", kCasesHelp);
   add_medium(*command, options->medium);
   add_seed(*command, options->seed);
-  command->add_flag("--only", options->alone, "Leave the other numbers of nodes and payloads out");
+  command->add_flag("--only", options->alone, "Leave out the other numbers of nodes and payloads");
   add_format(*command, options->format);
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }

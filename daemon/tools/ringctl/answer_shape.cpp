@@ -121,22 +121,22 @@ bool is(const json& value, Kind kind) {
 const char* words_of(Kind kind) {
   switch (kind) {
     case Kind::text:
-      return "no text";
+      return "not a string";
     case Kind::number:
-      return "no number";
+      return "not a number";
     case Kind::whole:
-      return "no whole number";
+      return "not a whole number";
     case Kind::truth:
-      return "no truth value";
+      return "neither true nor false";
     case Kind::object:
-      return "no object";
+      return "not an object";
     default:
-      return "no list";
+      return "not a list";
   }
 }
 
 /// Of the member of `at` by what is left of its path. Where `at` is no object or list, the entry of that says so.
-/// @return what is wrong: "missing", "no text" ...; null: nothing
+/// @return what is wrong: "missing", "not a string" ...; null: nothing
 const char* wrong_at(const json& at, std::string_view path, const Member& member) {
   if (path.empty()) {
     if (at.is_null() && member.needed == If::null) return nullptr;
@@ -162,7 +162,7 @@ const char* wrong_at(const json& at, std::string_view path, const Member& member
 
 template <std::size_t count>
 std::string wrong_in(const json& answer, const Member (&members)[count]) {
-  if (!answer.is_object()) return "it is no object";
+  if (!answer.is_object()) return "it is not an object";
   for (const Member& member : members)
     if (const char* wrong = wrong_at(answer, member.path, member))
       return "'" + std::string(member.path) + "' is " + wrong;
@@ -183,7 +183,7 @@ std::string wrong_in_config(const json& config) {
 }
 
 std::string sentence_of_shape(const std::string& wrong) {
-  return "its daemon answers otherwise than this ringctl expects: " + wrong +
+  return "unexpected reply from its daemon: " + wrong +
          "; both have to be of one version of limb_ring ('ringctl down' and 'ringctl up' start this one's)";
 }
 

@@ -30,7 +30,8 @@ constexpr milliseconds kAnswerTick{50};
 nlohmann::json checked(const HostPort& port, const std::string& text) {
   const nlohmann::json answer = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!answer.is_object())
-    throw HostPortError("node " + label({port.id(), port.name()}) + ": " + sentence_of_shape("it is no JSON object"));
+    throw HostPortError("node " + label({port.id(), port.name()}) + ": " +
+                        sentence_of_shape("it is not a JSON object"));
   if (!answer.contains("error") || !answer["error"].is_string()) return answer;
   const std::string problem = answer["error"].get<std::string>();
   if (!port.connected()) throw gone(port, problem);  // not the daemon's word, but that of the connection to it

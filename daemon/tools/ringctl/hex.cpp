@@ -17,7 +17,7 @@ std::string digits_of(const std::string& text) {
     if (passed_over(text[i])) continue;
     if (std::isxdigit(static_cast<unsigned char>(text[i])) == 0)
       throw UsageError("--hex: '" + std::string(1, text[i]) + "' at position " + std::to_string(i + 1) +
-                       " is no hexadecimal digit (0-9, a-f)");
+                       " is not a hexadecimal digit (0-9, a-f)");
     digits += text[i];
   }
   return digits;

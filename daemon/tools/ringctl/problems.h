@@ -16,10 +16,16 @@ enum ExitCode : int {
   kUnknown = 4   ///< sent, but nobody knows whether it has happened
 };
 
+/// Of the help of a subcommand.
+constexpr const char* kExitCodesInShort =
+    "Exit code: 0 done, 1 not done, 2 wrong arguments, 3 no ring, 4 nobody knows.";
+
 constexpr const char* kExitCodesHelp =
-    "Exit code: 0 done; 1 it did not happen (not delivered, ring not closed in time ...); "
-    "2 wrong arguments or configuration; 3 no such ring, or its daemon does not answer; "
-    "4 sent, and it may have happened: nothing tells (open ring, or lost on the way home).";
+    "Exit code: 0 done\n"
+    "  1 it did not happen: not delivered, ring not closed in time ...\n"
+    "  2 wrong arguments or configuration\n"
+    "  3 no such ring, or its daemon does not answer\n"
+    "  4 sent, and nobody knows if it happened: open ring, or lost on the way home";
 
 /// Ends ringctl with kNotDone.
 using live::NotDone;

@@ -74,7 +74,7 @@ std::string lack_of_state(const std::vector<json>& rows, const std::string& node
 }
 
 std::vector<std::string> state_words() {
-  std::vector<std::string> words{"down", "frozen", "unanswered", "hung", "stopped", "latched"};  // ringctl's own
+  std::vector<std::string> words{"down", "frozen", "unanswered", "hung", "stopped"};  // ringctl's own
   for (unsigned i = 0; i <= static_cast<unsigned>(core::NodeState::duplicate_id); ++i)
     words.emplace_back(to_string(static_cast<core::NodeState>(i)));
   for (unsigned i = 0; i <= static_cast<unsigned>(wire::CpuState::failed); ++i)

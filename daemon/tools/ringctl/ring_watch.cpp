@@ -26,7 +26,7 @@ std::string warning_of(const json& row) {
 std::string lack_of_cpu(const json& row) {
   const json cpu = row.value("cpu", json::object());
   const std::string word = cpu_word(row);
-  if (cpu.value("kind", "") != "child" || word == "running" || word == "latched") return {};
+  if (cpu.value("kind", "") != "child" || word == "running" || word == "stopped") return {};
   const json last_exit = cpu.value("last_exit", json());
   const std::string why = last_exit.is_string() ? last_exit.get<std::string>() : "";
   return "its CPU is " + word + (why.empty() ? "" : " (" + why + ")");

@@ -24,7 +24,7 @@ constexpr const char* kRestOfPage = "\033[J";
 
 Screen::Screen() {
   if (::isatty(STDIN_FILENO) != 1 || ::isatty(STDOUT_FILENO) != 1)
-    throw UsageError("standard input or output is no terminal; --once prints once");
+    throw UsageError("standard input or output is not a terminal; --once prints once");
   open();
 }
 

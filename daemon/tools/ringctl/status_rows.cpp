@@ -1,6 +1,7 @@
 #include "tools/ringctl/status_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "config/fault_name.h"
@@ -20,7 +21,7 @@ using nlohmann::json;
 
 namespace {
 
-bool latched(const json& row) {
+bool stopped(const json& row) {
   const json::json_pointer place("/cpu/stop/latched");
   return row.contains(place) && row.at(place) == true;
 }
@@ -70,7 +71,7 @@ json down_row(const NodeName& node) {
           {"pid", nullptr},
           {"cpu", {{"pid", nullptr}, {"boots", nullptr}, {"state", "unknown"}}},
           {"ring_size", nullptr},
-          {"round_trip_us", {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}}},
+          {"round_trip_us", {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}, {"since_s", nullptr}}},
           {"counters", json::object()}};
 }
 
@@ -160,9 +161,17 @@ std::vector<json> status_rows(const RingAccess& ring, Deadline deadline) {
 
 std::string cpu_word(const json& row) {
   const json cpu = row.value("cpu", json::object());
-  if (cpu.value("verdict", "") == "hung") return "hung";
-  if (cpu.value("stopped", false)) return "stopped";
-  return latched(row) ? "latched" : cpu.value("state", "unknown");
+  if (cpu.value("verdict", "") == "hung" || cpu.value("hung", false)) return "hung";
+  return stopped(row) ? "stopped" : cpu.value("state", "unknown");
+}
+
+std::string round_trips_since(const std::vector<json>& rows) {
+  double oldest_s = 0;
+  for (const json& row : rows) {
+    const json since = row.value(json::json_pointer("/round_trip_us/since_s"), json());
+    if (since.is_number()) oldest_s = std::max(oldest_s, since.get<double>());
+  }
+  return oldest_s == 0 ? "" : "round trips of the last " + app::number(std::ceil(oldest_s), 0) + " s\n";
 }
 
 std::uint64_t counter_of(const json& row, const std::string& name) {
@@ -226,12 +235,12 @@ std::string stop_report(const std::vector<json>& rows) {
   std::string names;
   std::size_t count = 0;
   for (const json& row : rows) {
-    if (!latched(row)) continue;
+    if (!stopped(row)) continue;
     ++count;
     names += (names.empty() ? "" : ", ") + row.value("name", "");
   }
   if (count == 0) return "";
-  return "stop latched at " + (count == rows.size() ? "all nodes" : names) + "; 'ringctl resume' ends it\n";
+  return "stopped: " + (count == rows.size() ? "all nodes" : names) + "; 'ringctl resume' ends it\n";
 }
 
 }  // namespace limb_ring::ringctl

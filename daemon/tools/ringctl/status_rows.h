@@ -30,9 +30,12 @@ std::string node_name(const std::vector<nlohmann::json>& rows, const nlohmann::j
 /// "left_hip -> left_knee", by their ids.
 std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& before,
                       const nlohmann::json& behind);
-/// "running", "stopped", "hung" ...; "latched" if a stop is latched. "hung" comes from the supervisor: the node's own
-/// network controller says no more than "silent", and that only of a CPU that has promised to speak.
+/// "running", "booting" ...; "hung" if its process is stopped, or by the supervisor's verdict: the node's own network
+/// controller says no more than "silent", and that only of a CPU that has promised to speak; "stopped" since a stop,
+/// until `resume`.
 std::string cpu_word(const nlohmann::json& row);
+/// "round trips of the last 60 s": since when the percentiles of these rows are; empty where there are none.
+std::string round_trips_since(const std::vector<nlohmann::json>& rows);
 /// The value of a counter; 0 where the row does not have it.
 std::uint64_t counter_of(const nlohmann::json& row, const std::string& name);
 /// Packets, and datagrams of them, that were damaged, lost or thrown away at this node since its start:
@@ -45,7 +48,7 @@ std::string unanswered_report(const std::vector<nlohmann::json>& rows);
 /// What nodes warn of, such as too few file descriptors; empty where none does.
 std::string cpu_report(const std::vector<nlohmann::json>& rows);
 std::string warning_report(const std::vector<nlohmann::json>& rows);
-/// The nodes at which a stop is latched, and what ends it; empty where none is.
+/// The nodes that are stopped, and what ends it; empty where none is.
 std::string stop_report(const std::vector<nlohmann::json>& rows);
 ///@}
 

@@ -63,7 +63,7 @@ std::string us_cell(const json& value) {
 
 const char* status_colour(const std::string& state, const std::string& cpu) {
   if (state != "up" && state != "folded") return app::kRed;
-  for (const char* bad : {"hung", "stopped", "latched", "silent", "failed"})
+  for (const char* bad : {"hung", "stopped", "silent", "failed"})
     if (cpu == bad) return app::kYellow;
   return "";
 }

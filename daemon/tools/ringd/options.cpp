@@ -25,8 +25,8 @@ void add_clock(CLI::App& app, Options& o) {
       app.add_option(
              "--clock", o.clock,
              "virtual: all nodes of the ring in this one process, on a clock of their own, with the lines' rates "
-             "and delays of the configuration (where it gives none: 1 Gbit/s, 512 ns). follow: the same, and its time "
-             "goes on no further than a client allows, such as ring_bridge by /clock")
+             "and delays of the configuration (default: 1 Gbit/s, 512 ns). follow: the same, but its time goes on only "
+             "as far as a client allows, such as ring_bridge by /clock")
           ->transform(cli::one_of({"machine", "virtual", "follow"}));
   app.add_option(
          "--pace", o.pace,
@@ -34,7 +34,7 @@ void add_clock(CLI::App& app, Options& o) {
          "are; default 1, of follow max")
       ->transform(cli::pace())
       ->needs(clock);
-  app.add_option("--for", o.lasts_s, "With --clock virtual: the ring ends by itself after so many seconds of its time")
+  app.add_option("--for", o.lasts_s, "With --clock virtual: the ring ends after that many seconds of its time")
       ->transform(cli::seconds(0.001, 1e9))
       ->needs(clock);
   app.add_option("--capture", o.capture, "With --clock virtual: write the packets on all lines there, as pcapng")
@@ -47,9 +47,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   Options o;
   CLI::App app{
       "The network controller of one node of a limb_ring, and the keeper of its CPU.\n"
-      "Usually started by roslaunch (ring.launch) or 'ringctl up'.\n"
-      "Exit codes: 0 ended as asked, 1 could not run, 2 wrong usage or configuration."};
+      "Usually started by roslaunch (ring.launch) or 'ringctl up'."};
   app.name("ringd");
+  app.footer(cli::footer("", "ringd --config leg8.yaml --node left_knee",
+                         "Exit codes: 0 ended as asked, 1 could not run, 2 wrong usage or configuration."));
   app.add_option("--config", o.config, "YAML file of the ring; without it a plain ring of --nodes nodes");
   app.add_option("--as-read", o.as_read,
                  "Folder in which 'ringctl up' has kept the configuration as it read it: so it is read, by CPUs too");

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 /// As a daemon answers that has something to say of everything.
 json row() {
   return json::parse(R"({"id": 1, "name": "knee", "state": "up", "pid": 4711, "ring": "r", "ring_size": 2,
-    "uptime_s": 12.5, "cpu": {"kind": "child", "pid": 4712, "boots": 1, "state": "running", "stopped": false,
+    "uptime_s": 12.5, "cpu": {"kind": "child", "pid": 4712, "boots": 1, "state": "running", "hung": false,
     "stop": {"latched": false}}, "input": {"state": "up", "from": 0}, "output": {"state": "up", "to": 0, "rate_bit_s": null},
     "round_trip_us": {"p50": 61.2, "p99": 90.0, "max": 120.4}, "broken_line": {"before": 0, "behind": 1, "since_s": 1.5,
     "announced_ms": 2.5}, "faults": [{"id": 1, "fault": "cut a -> b"}], "refusals": [{"refused": 1, "by": 0, "text": "no"}],
@@ -82,14 +82,14 @@ TEST(AnswerShape, OfARingdIsRight) {
 TEST(AnswerShape, ThatIsWrongIsNamed) {
   json wrong = row();
   wrong["cpu"]["state"] = 3;
-  EXPECT_EQ(wrong_in_row(wrong, 1), "'cpu.state' is no text");
+  EXPECT_EQ(wrong_in_row(wrong, 1), "'cpu.state' is not a string");
   wrong = row();
   wrong["heard"][0].erase("id");
   EXPECT_EQ(wrong_in_row(wrong, 1), "'heard[].id' is missing");
   EXPECT_EQ(wrong_in_row(row(), 2), "it says that it is node 1");
-  EXPECT_EQ(wrong_in_row(json(3), 1), "it is no object");
+  EXPECT_EQ(wrong_in_row(json(3), 1), "it is not an object");
   EXPECT_EQ(wrong_in_config(json::object()), "'nodes' is missing");
-  EXPECT_EQ(wrong_in_config(json::parse(R"({"nodes": [{"id": "a"}]})")), "'nodes[].id' is no whole number");
+  EXPECT_EQ(wrong_in_config(json::parse(R"({"nodes": [{"id": "a"}]})")), "'nodes[].id' is not a whole number");
   EXPECT_THAT(sentence_of_shape("'id' is missing"), HasSubstr("of one version of limb_ring"));
 }
 

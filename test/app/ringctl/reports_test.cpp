@@ -95,7 +95,7 @@ TEST(StatusTable, IsColouredWhereANodeOrItsCpuIsNotWell) {
   style.colour = true;
   EXPECT_THAT(status_table(rows, style), HasSubstr("\033[31m240"));
   for (json& row : rows) row["state"] = "up";
-  rows[0]["cpu"]["stopped"] = true;
+  rows[0]["cpu"]["hung"] = true;
   EXPECT_THAT(status_table(rows, style), HasSubstr("\033[33m240"));
   EXPECT_THAT(status_table(rows, style), Not(HasSubstr("\033[31m")));
 }
@@ -357,12 +357,12 @@ TEST(Headline, CountsTheNodesThatWork) {
             "ring r: 3 of 3 nodes up, folded back around a break");
 }
 
-TEST(Headline, AStopThatIsLatchedIsNamedWithWhatEndsIt) {
+TEST(Headline, NodesThatAreStoppedAreNamedWithWhatEndsIt) {
   EXPECT_EQ(stop_report({node(0, "up"), node(1, "up")}), "");
-  EXPECT_EQ(stop_report({node(0, "up", true), node(1, "up")}), "stop latched at n0; 'ringctl resume' ends it\n");
-  EXPECT_EQ(stop_report({node(0, "up", true)}), "stop latched at all nodes; 'ringctl resume' ends it\n");
-  EXPECT_EQ(cpu_word(node(0, "up", true)), "latched");
-  EXPECT_NE(status_colour("up", "latched"), std::string());
+  EXPECT_EQ(stop_report({node(0, "up", true), node(1, "up")}), "stopped: n0; 'ringctl resume' ends it\n");
+  EXPECT_EQ(stop_report({node(0, "up", true)}), "stopped: all nodes; 'ringctl resume' ends it\n");
+  EXPECT_EQ(cpu_word(node(0, "up", true)), "stopped");
+  EXPECT_NE(status_colour("up", "stopped"), std::string());
   EXPECT_EQ(cpu_word(node(0, "up")), "running");
 }
 

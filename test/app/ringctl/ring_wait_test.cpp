@@ -40,7 +40,7 @@ TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
       {{{"ring_size", 1}}, "it knows a ring of 1 nodes, not 2"},
       {{{"fold", {{"second_input", "down"}}}}, "its second line in is broken"},
       {{{"cpu", {{"kind", "child"}, {"state", "booting"}}}}, "its CPU is booting"},
-      {{{"cpu", {{"kind", "child"}, {"state", "running"}, {"stopped", true}}}}, "its CPU is stopped"}};
+      {{{"cpu", {{"kind", "child"}, {"state", "running"}, {"hung", true}}}}, "its CPU is hung"}};
   for (const auto& [change, lack] : lacks) {
     std::vector<json> rows = whole_ring();
     rows[1].update(change);
@@ -84,7 +84,8 @@ TEST(State, IsThatOfTheNodeOrOfItsCpu) {
 }
 
 TEST(State, IsAnyThatStatusShows) {
-  for (const char* word : {"duplicate_id", "open_chain", "down", "frozen", "unanswered", "absent", "failed", "latched"})
+  for (const char* word :
+       {"duplicate_id", "open_chain", "down", "frozen", "unanswered", "absent", "failed", "hung", "stopped"})
     EXPECT_THAT(state_words(), Contains(word));
 }
 

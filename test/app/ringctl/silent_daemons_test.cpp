@@ -64,9 +64,8 @@ TEST_F(SilentDaemons, ThatAnswerInAnotherShapeAreNamedWithWhatToDo) {
   const bool at_once = all_are_asked_at_once();
   for (test::FakeDaemon& daemon : daemons)
     if (at_once) answer(daemon, R"({"nodes": {"0": "node0"}})");
-  EXPECT_THAT(opened.get(),
-              HasSubstr("its daemon answers otherwise than this ringctl expects: 'nodes' is no list; both "
-                        "have to be of one version of limb_ring"));
+  EXPECT_THAT(opened.get(), HasSubstr("unexpected reply from its daemon: 'nodes' is not a list; both "
+                                      "have to be of one version of limb_ring"));
 }
 
 TEST_F(SilentDaemons, AreWaitedForUntilTheDeadline) {

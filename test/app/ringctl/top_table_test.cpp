@@ -123,10 +123,10 @@ TEST(TopTable, MarksWhatHasChangedWhereThereAreColours) {
 
 TEST(TopTable, CallsACpuWhatStatusCallsIt) {
   StatusSample now = kNow;
-  now.rows[0]["cpu"]["stopped"] = true;
+  now.rows[0]["cpu"]["hung"] = true;
   now.rows[1]["cpu"]["verdict"] = "hung";
   const auto rows = top_rows(kBefore, now);
-  EXPECT_EQ(rows[0]["cpu"], "stopped");
+  EXPECT_EQ(rows[0]["cpu"], "hung");
   EXPECT_EQ(rows[1]["cpu"], "hung");
 }
 

@@ -54,25 +54,24 @@ int run(BenchOptions& options) {
 void add_bench(CLI::App& app, Context& context) {
   auto options = std::make_shared<BenchOptions>();
   bench::Setup& setup = options->setup;
-  CLI::App* command = add_command(
-      app, "bench",
-      "Measure rings of our own beside a bare reference ring; takes about two minutes; exit code 1: packets "
-      "failed");
+  CLI::App* command =
+      add_command(app, "bench", "Measure rings beside a bare reference ring", "ringctl bench --nodes 8 --only shm,udp",
+                  "Starts rings of its own, for about two minutes. Ends with 1 if packets failed.");
   command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")->transform(cli::whole(2, 64));
   command->add_option("--payload", setup.payload, "Bytes of data in a packet, 4 to 512; default 512")
       ->transform(cli::whole(4, kMaxPayload));
   command->add_option("--seconds", setup.seconds, "Seconds per case, 0.1 to 60; default 2")
       ->transform(cli::seconds(0.1, 60.0));
-  command->add_option("--rounds", setup.rounds, "Reference and rings take turns so many times, 1 to 100; default 3")
+  command->add_option("--rounds", setup.rounds, "How often reference and rings take turns, 1 to 100; default 3")
       ->transform(cli::whole(1, 100));
   command
       ->add_option("--only", setup.only,
-                   "Measure these alone, beside the reference; separated by commas: " +
+                   "Measure only these, beside the reference, separated by commas: " +
                        config::join({std::begin(bench::kCases), std::end(bench::kCases)}) +
                        ". With unix also the same ring while a dump reads along")
       ->delimiter(',')
       ->check(cli::one_of({std::begin(bench::kCases), std::end(bench::kCases)}));
-  command->add_flag("--no-ros", options->no_ros, "Leave the chain of topic_tools/relay out");
+  command->add_flag("--no-ros", options->no_ros, "Leave out the chain of topic_tools/relay");
   add_json(*command, options->json);
   command->callback([&context, options] {
     context.action = [&context, options] {

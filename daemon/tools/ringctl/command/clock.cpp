@@ -89,9 +89,13 @@ int step_clock(const Context& context, const ClockOptions& options) {
 
 using Act = std::function<int(const Context&, const ClockOptions&)>;
 
-CLI::App* add(CLI::App& app, Context& context, const char* name, const char* description,
-              const std::shared_ptr<ClockOptions>& options, const Act& act) {
-  CLI::App* command = add_command(app, name, description);
+struct Words {
+  const char *name, *description, *example, *more = "";
+};
+
+CLI::App* add(CLI::App& app, Context& context, const Words& words, const std::shared_ptr<ClockOptions>& options,
+              const Act& act) {
+  CLI::App* command = add_command(app, words.name, words.description, words.example, words.more);
   add_json(*command, options->json);
   command->callback(
       [&context, options, act] { context.action = [&context, options, act] { return act(context, *options); }; });
@@ -116,34 +120,41 @@ int set_pace(const Context& context, const ClockOptions& options) {
 
 void add_time(CLI::App& app, Context& context) {
   const auto options = std::make_shared<ClockOptions>();
-  CLI::App* pace = add(app, context, "pace", "Change how fast the time of a virtual ring goes on", options, set_pace);
+  CLI::App* pace =
+      add(app, context, {"pace", "Change how fast the time of a virtual ring passes", "ringctl clock pace 0.1"},
+          options, set_pace);
   pace->add_option("PACE", options->pace, "Its time per real time, 0.001 to 1000, or max: as fast as the programs are")
       ->transform(cli::pace())
       ->required();
   add_ring(*pace, *options);
-  CLI::App* pause = add(app, context, "pause",
-                        "Let the time of a virtual ring stand; ringctl and other tools go on, and what they send waits",
+  CLI::App* pause = add(app, context,
+                        {"pause", "Make the time of a virtual ring stand still", "ringctl clock pause leg8",
+                         "ringctl and other tools go on. What they send waits."},
                         options, asking("pause"));
   add_ring(*pause, *options);
   CLI::App* step =
-      add(app, context, "step", "Let the time of a virtual ring go on by so much, and stand then", options, step_clock);
+      add(app, context, {"step", "Let TIME pass on a virtual ring, then stand still", "ringctl clock step 1ms"},
+          options, step_clock);
   step->add_option("TIME", options->step_s, "By its own clock, such as 1ms; a plain number is seconds; 1ns to 1e6 s")
       ->transform(cli::seconds(1e-9, 1e6))
       ->required();
   add_ring(*step, *options);
   CLI::App* run =
-      add(app, context, "run", "Let the time of a virtual ring go on after 'pause' or 'step'", options, asking("run"));
+      add(app, context, {"run", "Let the time of a virtual ring go on", "ringctl clock run"}, options, asking("run"));
   add_ring(*run, *options);
 }
 
 constexpr std::chrono::milliseconds kLatchesPollPeriod{10};
 
 constexpr const char* kSyncHelp =
-    "The offset of a node h hops downstream of the source is its latch time, less the source's, less h * round trip / "
-    "ring size. Nodes on one host share a clock: what is printed for them is how unevenly the interrupt travelled.\n"
-    "One way: from the node before it that latched, measured where the two share a clock; of lines between hosts only "
+    "A broadcast interrupt latches the clocks of all nodes. The offset of a node h hops downstream of the source is "
+    "its "
+    "latch time, less the source's, less h * round trip / ring size. Nodes on one host share a clock: their offset is "
+    "how unevenly the interrupt travelled.\n"
+    "One way: the time from the last node before it that latched, if the two share a clock. Of lines between hosts "
+    "only "
     "the sum is known.\n"
-    "Not done (exit code 1) where a node did not latch: it is down, or has no pin wired to sync.\n";
+    "Ends with 1 if a node did not latch: it is down, or has no pin wired to sync.";
 
 struct SyncOptions {
   std::string from;
@@ -269,7 +280,7 @@ std::string between_hosts_words(const LineDelays& delays) {
   if (delays.between_hosts == 0) return {};
   return app::counted(delays.between_hosts, "line") + " between hosts, together " +
          app::number(delays.between_hosts_us) + " us: " + app::number(delays.between_hosts_us / delays.between_hosts) +
-         " us each if they are alike; one way alone cannot be known without a shared clock\n";
+         " us each if they are alike; a single one-way time cannot be known without a shared clock\n";
 }
 
 std::string uncertain_words(const LineDelays& delays) {
@@ -308,9 +319,8 @@ int run(const Context& context, const SyncOptions& options) {
 
 void add_sync(CLI::App& app, Context& context) {
   auto options = std::make_shared<SyncOptions>();
-  CLI::App* command =
-      add_command(app, "sync", "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off");
-  command->footer(kSyncHelp + std::string(kExitCodesHelp));
+  CLI::App* command = add_command(app, "sync", "Print how far the clocks of the nodes are off",
+                                  "ringctl clock sync --from head", kSyncHelp);
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
@@ -320,7 +330,7 @@ void add_sync(CLI::App& app, Context& context) {
 
 void add_clock(CLI::App& app, Context& context) {
   CLI::App& clock =
-      add_group(app, "clock", "The time of a virtual ring, and how far the clocks of a ring's nodes are off");
+      add_group(app, "clock", "Pace, pause and step a virtual ring; compare clocks", "ringctl clock pause leg8");
   add_time(clock, context);
   add_sync(clock, context);
 }

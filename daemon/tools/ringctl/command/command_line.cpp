@@ -16,15 +16,17 @@
 
 namespace limb_ring::ringctl {
 
-CLI::App* add_command(CLI::App& app, const char* name, const char* description) {
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& example, const std::string& more) {
   CLI::App* command = app.add_subcommand(name, description);
   command->fallthrough();
-  command->footer(kExitCodesHelp);
+  command->footer(cli::footer(more, example, kExitCodesInShort));
   return command;
 }
 
-CLI::App& add_group(CLI::App& app, const char* name, const char* description) {
-  CLI::App* group = add_command(app, name, description);
+CLI::App& add_group(CLI::App& app, const std::string& name, const std::string& description, const std::string& example,
+                    const std::string& more) {
+  CLI::App* group = add_command(app, name, description, example, more);
   group->require_subcommand(1);
   return *group;
 }
@@ -97,14 +99,12 @@ int act(const Context& context) {
 int run_command_line(int argc, char** argv) {
   Context context;
   CLI::App app("Starts, queries and controls rings of limb_ring daemons (ringd).", "ringctl");
-  app.footer(std::string("'ringctl help SUBCOMMAND' explains one of them.\n") + kExitCodesHelp);
+  app.footer(cli::footer("'ringctl help SUBCOMMAND' explains one of them.", "ringctl up leg8", kExitCodesHelp));
   app.require_subcommand(1);
-  app.add_option(
-      "--ring", context.ring,
-      "Name of the ring; default: the one that LIMB_RING_RING names in the environment, else the only one running");
-  app.add_flag(
-      "--ssh", context.ssh,
-      "What only another host of the ring can do is done there: this command line, run by ssh without a password");
+  app.add_option("--ring", context.ring,
+                 "Name of the ring; default: LIMB_RING_RING of the environment, else the only ring that runs");
+  app.add_flag("--ssh", context.ssh,
+               "Run a command that only another host can carry out there, by ssh without a password");
   for (int i = 1; i < argc; ++i)
     if (std::string(argv[i]) != "--ssh") context.arguments.emplace_back(argv[i]);
   add_commands(app, context);

@@ -18,10 +18,15 @@ struct Context {
   std::function<int()> action;         ///< set by the subcommand given; @return an ExitCode
 };
 
-/// Adds a subcommand with the exit codes in its help. Its `--ring` is the global one.
-CLI::App* add_command(CLI::App& app, const char* name, const char* description);
+/// Adds a subcommand. Its `--ring` is the global one.
+/// @param description what the list of commands says of it: one line
+/// @param example a whole command line
+/// @param more what else its own --help says
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& example, const std::string& more = {});
 /// Adds a subcommand that has subcommands, of which one must be given.
-CLI::App& add_group(CLI::App& app, const char* name, const char* description);
+CLI::App& add_group(CLI::App& app, const std::string& name, const std::string& description, const std::string& example,
+                    const std::string& more = {});
 /// Adds the switch --json.
 void add_json(CLI::App& command, bool& json);
 /// For a command that concerns no ring, or all. @throw UsageError "--ring: WHY; leave it out" where one was named

@@ -32,8 +32,9 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kFaultHelp =
-    "A line is A:B or 'A -> B' (quoted: '>' is the shell's), from a node to the next. Answers come when a fault has "
-    "taken effect. The same words are taken by the ROS service inject_fault and by scenarios.\n";
+    "A line is A:B or 'A -> B', from a node to the next. Quote the latter: '>' is the shell's. Each command returns "
+    "when "
+    "its fault has taken effect. The ROS service inject_fault and scenarios take the same words.";
 
 struct FaultOptions {
   std::vector<std::string> where;
@@ -185,9 +186,24 @@ std::string help_of(const fault::KeyWord& key, const fault::Word& word) {
   return text + "; " + (needed.size() > 1 ? config::join(needed, " or ") + " is " : "") + "required";
 }
 
+/// "ringctl fault flap left_hip:left_knee --every 200ms"
+std::string example_of(const fault::Word& word) {
+  const std::map<fault::Key, std::string> values{{fault::kDelay, "5ms"},     {fault::kJitter, "5ms"},
+                                                 {fault::kRate, "10Mbit/s"}, {fault::kEvery, "200ms"},
+                                                 {fault::kPackets, "3"},     {fault::kFor, "2s"}};
+  std::string text = std::string("ringctl fault ") + word.word;
+  text += word.of == fault::Of::line ? " left_hip:left_knee" : " left_knee";
+  std::vector<fault::KeyWord> keys = fault::needed_keys_of(word);
+  if (keys.empty()) keys = fault::keys_of(word);
+  for (const fault::KeyWord& key : keys)
+    if (const auto value = values.find(key.key); value != values.end())
+      return text + ' ' + option_name(key.word) + ' ' + value->second;
+  return text;
+}
+
 void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
   auto options = std::make_shared<FaultOptions>();
-  CLI::App* command = add_command(faults, word.word, word.meaning);
+  CLI::App* command = add_command(faults, word.word, word.meaning, example_of(word));
   const bool line = word.of == fault::Of::line;
   command->add_option("WHERE", options->where, line ? "One line, A:B" : "Nodes, ids or names, or all")
       ->required()
@@ -202,14 +218,17 @@ void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
 
 void add_keeping(CLI::App& faults, Context& context) {
   auto options = std::make_shared<FaultOptions>();
-  CLI::App* all = add_command(faults, "list", "All faults that last: what, where, since when, how often they struck");
+  CLI::App* all = add_command(faults, "list", "Show all faults that last", "ringctl fault list",
+                              "Of each: what, where, since when, and how often it struck.");
   add_json(*all, options->json);
   all->callback([&context, options] { context.action = [&context, options] { return list(context, *options); }; });
-  CLI::App* one = add_command(faults, "remove", "End one fault; answered when all is as before");
+  CLI::App* one =
+      add_command(faults, "remove", "End one fault", "ringctl fault remove left_knee.1", "Returns once it is undone.");
   one->add_option("ID", options->id, "Its id, as 'list' shows it")->required();
   one->callback([&context, options] { context.action = [&context, options] { return remove(context, *options); }; });
-  CLI::App* every = add_command(
-      faults, "clear", "End all faults: heal, thaw, resume, start what was killed; return when the ring is whole");
+  CLI::App* every =
+      add_command(faults, "clear", "End all faults, and wait until the ring is whole", "ringctl fault clear",
+                  "Heals lines, thaws nodes, ends hangs, and starts what was killed.");
   every->add_option("--timeout", options->timeout_s, "How long it may take until it is whole, 0 to 600 s; default 20s")
       ->transform(cli::seconds(0, 600));
   every->callback([&context, options] { context.action = [&context, options] { return clear(context, *options); }; });
@@ -218,8 +237,8 @@ void add_keeping(CLI::App& faults, Context& context) {
 }  // namespace
 
 void add_fault(CLI::App& app, Context& context) {
-  CLI::App* faults = &add_group(app, "fault", "Break the living ring on purpose, and mend it");
-  faults->footer(kFaultHelp + std::string(kExitCodesHelp));
+  CLI::App* faults = &add_group(app, "fault", "Break the ring on purpose, and mend it",
+                                "ringctl fault cut left_hip:left_knee --for 2s", kFaultHelp);
   for (const fault::Word& word : fault::kWords) add_word(*faults, context, word);
   add_keeping(*faults, context);
 }

@@ -33,8 +33,9 @@ int make_key(const std::string& file) {
 
 void add_key(CLI::App& app, Context& context) {
   auto file = std::make_shared<std::string>();
-  CLI::App* command = add_command(app, "key", "Make a key for the UDP lines between the hosts of a ring");
-  command->add_option("FILE", *file, "A file that is not there yet; its mode is 0600")->required();
+  CLI::App* command =
+      add_command(app, "key", "Make a key for the UDP lines between hosts", "ringctl hosts key robot.key");
+  command->add_option("FILE", *file, "A new file; its mode will be 0600")->required();
   command->callback([&context, file] {
     context.action = [&context, file] {
       require_no_ring(context, "a key is of no ring yet");
@@ -61,15 +62,15 @@ int print_launch(const LaunchOptions& options) {
 
 void add_launch(CLI::App& app, Context& context) {
   auto options = std::make_shared<LaunchOptions>();
-  CLI::App* command = add_command(app, "launch",
-                                  "Print a launch file with the hosts of a ring, for 'roslaunch limb_ring ring.launch "
-                                  "config:=CONFIG machines:=FILE'");
+  CLI::App* command = add_command(app, "launch", "Print a launch file for a ring over several hosts",
+                                  "ringctl hosts launch robot.yaml --user robot > robot_machines.launch",
+                                  "Use it as 'roslaunch limb_ring ring.launch config:=CONFIG machines:=FILE'.");
   command->add_option("CONFIG", options->config, "YAML file of the ring, with `hosts`, or its name (see up)")
       ->required();
   command->add_option("--env-loader", options->env_loader,
                       "Script on each host that sets up ROS and runs its arguments; default: env.sh of this shell's "
-                      "catkin workspace, or /usr/bin/env where there is none");
-  command->add_option("--user", options->user, "Whom to log in as, where a host's `ssh` does not say");
+                      "catkin workspace, or /usr/bin/env without one");
+  command->add_option("--user", options->user, "User to log in as, if a host's `ssh` does not name one");
   command->callback([&context, options] {
     context.action = [&context, options] {
       require_no_ring(context, "the ring is that of CONFIG");
@@ -81,7 +82,8 @@ void add_launch(CLI::App& app, Context& context) {
 }  // namespace
 
 void add_hosts(CLI::App& app, Context& context) {
-  CLI::App& hosts = add_group(app, "hosts", "What a ring over several hosts needs: a key, and a launch file");
+  CLI::App& hosts =
+      add_group(app, "hosts", "Make a key and a launch file for several hosts", "ringctl hosts key robot.key");
   add_key(hosts, context);
   add_launch(hosts, context);
 }

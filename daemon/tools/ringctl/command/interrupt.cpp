@@ -41,9 +41,11 @@ int run(const Context& context, const InterruptOptions& options) {
 
 void add_interrupt(CLI::App& app, Context& context) {
   auto options = std::make_shared<InterruptOptions>();
-  CLI::App* command = add_command(app, "interrupt",
-                                  "Send an interrupt packet, which pulls the pin of that number at its destination; or "
-                                  "pull an interrupt input of a node, as a button or watchdog wired to it would");
+  CLI::App* command =
+      add_command(app, "interrupt", "Send an interrupt packet, or pull an input of a node",
+                  "ringctl interrupt --from head --to left_knee 0",
+                  "The packet pulls the pin with the number FACTOR at its destination. --input does what a button "
+                  "or a watchdog does that is wired to the node --from.");
   command->add_option("--from", options->from, "Node that sends, or whose input it is, id or name")->required();
   CLI::Option* to = command->add_option("--to", options->to, "Node to interrupt, id or name, or all");
   command

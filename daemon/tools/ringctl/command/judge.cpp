@@ -12,14 +12,14 @@
 #include "ring/promise_watch.h"
 #include "tools/cli/values.h"
 #include "tools/common/text_table.h"
+#include "tools/ringctl/answer_shape.h"
+#include "tools/ringctl/answers.h"
 #include "tools/ringctl/choose_ring.h"
 #include "tools/ringctl/command/commands.h"
 #include "tools/ringctl/problems.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/ring_folder.h"
 #include "tools/ringctl/tell_user.h"
-#include "tools/ringctl/answer_shape.h"
-#include "tools/ringctl/answers.h"
 
 namespace limb_ring::ringctl {
 
@@ -195,14 +195,14 @@ int run(const Context& context, const JudgeOptions& options) {
 
 void add_judge(CLI::App& app, Context& context) {
   auto options = std::make_shared<JudgeOptions>();
-  CLI::App* command = add_command(
-      app, "judge",
-      "Judge a living ring's promises until Ctrl-C or the ring is taken down: what is delivered has arrived, once "
-      "and in order, every send has one result, pins are pulled once, nothing circles; a "
-      "line for each one that is broken, and then exit code 1, as where a node could not be watched. A neighbour that "
-      "breaks a rule of docs/protocol.md without that is warned of");
+  CLI::App* command =
+      add_command(app, "judge", "Judge the promises of a living ring", "ringctl judge leg8 --for 60",
+                  "Goes on until Ctrl-C, or until the ring is taken down. The promises: what is delivered has "
+                  "arrived, once and in order; every send has one result; a pin is pulled once; nothing circles. "
+                  "Prints a line for each broken promise. Ends with 1 if one was broken, or if a node could not be "
+                  "watched. Warns of neighbours that break a rule of docs/protocol.md without that.");
   command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
-  command->add_option("--for", options->lasts_s, "End after so many seconds; default: never")
+  command->add_option("--for", options->lasts_s, "End after N seconds; default: never")
       ->transform(cli::seconds(0.1, 1e9));
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

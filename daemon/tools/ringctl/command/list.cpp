@@ -75,10 +75,10 @@ int run(bool json) {
 void add_list(CLI::App& app, Context& context) {
   auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
-      add_command(app, "list",
-                  "All rings of this user: how many nodes are held by a daemon here; which host of the ring's "
-                  "this is; on which clock, and "
-                  "of a virtual one where it is, how fast, and how far behind");
+      add_command(app, "list", "Show all rings of this user", "ringctl list",
+                  "nodes: how many of them a daemon of this machine holds. host: which of the ring's hosts this "
+                  "machine is. clock: live or virtual; of a virtual ring also its time, its pace, and how far it is "
+                  "behind.");
   add_json(*command, *as_json);
   command->callback([&context, as_json] {
     context.action = [&context, as_json] {

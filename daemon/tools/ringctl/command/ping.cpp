@@ -68,7 +68,7 @@ void add_options(CLI::App& command, PingOptions& options) {
   command.add_option("TO,--to", options.to, "Node to send to, id or name; as `ping NODE` or `ping --to NODE`")
       ->required();
   command.add_option("--from", options.from, "Node that sends, id or name; default: the first that answers");
-  command.add_option("-c,--count", options.count, "End after so many, 1 to 1000000; default: at Ctrl-C (--json: 10)")
+  command.add_option("-c,--count", options.count, "End after N packets, 1 to 1000000; default: at Ctrl-C (--json: 10)")
       ->transform(cli::whole(1, 1000000));
   CLI::Option* interval = command
                               .add_option("-i,--interval", options.interval_s,
@@ -87,9 +87,10 @@ void add_options(CLI::App& command, PingOptions& options) {
 
 void add_ping(CLI::App& app, Context& context) {
   auto options = std::make_shared<PingOptions>();
-  CLI::App* command = add_command(
-      app, "ping",
-      "Send packets, a line for each, until Ctrl-C; times are the daemon's: first byte out to matched return");
+  CLI::App* command =
+      add_command(app, "ping", "Send packets to a node, and print each round trip", "ringctl ping left_knee --count 5",
+                  "Goes on until Ctrl-C. The times are the daemon's, from the first byte that leaves to the matched "
+                  "return.");
   add_options(*command, *options);
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

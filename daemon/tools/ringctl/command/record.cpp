@@ -122,24 +122,27 @@ int keep(const RecordOptions& options, const Context& context) {
 
 void add_keep(CLI::App& record, Context& context) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* command = add_command(record, "keep",
-                                  "Stay beside the ring and save its recordings when something goes wrong, until it is "
-                                  "taken down; 'ringctl up' does it where the ring's file says recorder: {save: ...}");
+  CLI::App* command =
+      add_command(record, "keep", "Save the recordings each time something goes wrong",
+                  "ringctl record keep saves --when crash,promise",
+                  "Stays until the ring is taken down. 'ringctl up' does the same if the ring's file says recorder: "
+                  "{save: ...}.");
   command->add_option("DIR", options->folder, "Each save is a folder in it, named by ring, date and reason")
       ->required();
   command->add_option("--when", options->when, "crash, break, promise; default: all of them")
       ->delimiter(',')
       ->transform(cli::one_of({"crash", "break", "promise"}));
-  command->add_option("--keep", options->keep, "So many saves of the ring, the newest; 1 to 1000, default 5")
+  command->add_option("--keep", options->keep, "How many saves of the ring to keep, the newest; 1 to 1000, default 5")
       ->transform(cli::whole(1, 1000));
   command->callback([&context, options] { context.action = [options, &context] { return keep(*options, context); }; });
 }
 
 void add_save(CLI::App& record, Context& context) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* command = add_command(record, "save",
-                                  "Copy the recordings of all nodes, also of dead ones and of the lives before, while "
-                                  "the ring goes on; before 'ringctl down', which removes them");
+  CLI::App* command =
+      add_command(record, "save", "Copy the recordings of all nodes", "ringctl record save what-happened",
+                  "Also copies those of dead nodes and of former lives. The ring goes on. Save before 'ringctl "
+                  "down', which removes the recordings.");
   command->add_option("DIR", options->folder, "A new or empty folder")->required();
   command->callback([&context, options] { context.action = [options, &context] { return save(*options, context); }; });
 }
@@ -278,15 +281,14 @@ int check(const CheckOptions& options) {
 void add_record_check(CLI::App& app, Context& context) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command =
-      add_command(app, "check",
-                  "Do again what flight recorders of a live ring have recorded, compare each byte and "
-                  "event, and judge the ring's promises over all nodes together; exit code 1 where this "
-                  "program does something else, or a promise was broken");
+      add_command(app, "check", "Replay saved recordings, and judge the promises", "ringctl record check what-happened",
+                  "Compares each byte and each event with what was recorded, and judges the promises over all "
+                  "nodes. Ends with 1 if this program does something else, or if a promise was broken.");
   command->add_option("DIR", options->folder, "Folder of 'ringctl record save'")->required();
-  command->add_option("--until", options->until_ns, "Stop so many seconds after the first record, and print the state")
+  command->add_option("--until", options->until_ns, "Stop N seconds after the first record, and print the state")
       ->transform(cli::nanoseconds(std::chrono::nanoseconds(0), std::chrono::seconds(1'000'000'000)));
-  command->add_option("--node", options->node, "Print the state, or --print, of this node alone: id or name");
-  command->add_flag("--print", options->print, "Each record of --node in a line");
+  command->add_option("--node", options->node, "Print state or records (--print) of only this node, id or name");
+  command->add_flag("--print", options->print, "Print each record of --node, a line each");
   command->add_option("--capture", options->capture,
                       "Write the packets on all lines there, as pcapng: for 'ringctl traffic why' and Wireshark");
   command->callback([&context, options] { context.action = [options] { return check(*options); }; });
@@ -295,7 +297,8 @@ void add_record_check(CLI::App& app, Context& context) {
 }  // namespace
 
 void add_record(CLI::App& app, Context& context) {
-  CLI::App& record = add_group(app, "record", "What the nodes' flight recorders have written");
+  CLI::App& record =
+      add_group(app, "record", "Save and check what the flight recorders wrote", "ringctl record save what-happened");
   add_save(record, context);
   add_keep(record, context);
   add_record_check(record, context);

@@ -55,8 +55,8 @@ int run(const Context& context, const ResetOptions& options) {
 
 void add_reset(CLI::App& app, Context& context) {
   auto options = std::make_shared<ResetOptions>();
-  CLI::App* command =
-      add_command(app, "reset", "Reset the CPU of a node by an interrupt, and wait until it has booted again");
+  CLI::App* command = add_command(app, "reset", "Reset the CPU of a node by an interrupt", "ringctl reset left_knee",
+                                  "Returns when the CPU has booted again.");
   command->add_option("NODE", options->node, "Node, id or name")->required();
   command->add_option("--from", options->from,
                       "Node that sends; default: the first that answers, in an open ring the one that reaches all");

@@ -118,8 +118,8 @@ int run(const Context& context, const ResumeOptions& options) {
 
 void add_resume(CLI::App& app, Context& context) {
   auto options = std::make_shared<ResumeOptions>();
-  CLI::App* command = add_command(app, "resume", "End a latched stop: the joints obey the next command again");
-  command->add_option("NODE", options->node, "Node, id or name, or all (default): those with joints or a latched stop");
+  CLI::App* command = add_command(app, "resume", "End a stop: joints obey the next command again", "ringctl resume");
+  command->add_option("NODE", options->node, "Node, id or name, or all (default): all that have joints or are stopped");
   command->add_option("--from", options->from,
                       "Node that sends; default: the first that answers, in an open ring one that reaches NODE");
   add_json(*command, options->json);

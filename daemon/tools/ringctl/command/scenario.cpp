@@ -80,7 +80,7 @@ std::ofstream open_capture(const ScenarioOptions& options) {
   const std::string option = timeline ? "--perfetto" : "--capture";
   if (path.empty()) return {};
   if (options.live)
-    throw UsageError(option + ": under the virtual clock alone; beside --live there is 'ringctl traffic show'");
+    throw UsageError(option + " works only under the virtual clock; with --live use 'ringctl traffic show -w FILE'");
   if (options.files.size() != 1) throw UsageError(option + ": one scenario at a time, its times begin at 0");
   return open_output(path, options.files);
 }
@@ -246,7 +246,8 @@ void add_outputs(CLI::App& command, ScenarioOptions& options) {
 
 void add_run(CLI::App& scenario, Context& context) {
   auto options = std::make_shared<ScenarioOptions>();
-  CLI::App* command = add_command(scenario, "run", "Run scenarios; exit code 1: an expectation was not met");
+  CLI::App* command = add_command(scenario, "run", "Run scenarios", "ringctl scenario run walk.yaml --virtual",
+                                  "Ends with 1 if an expectation was not met.");
   command->add_option("FILE", options->files, "Scenarios, YAML")->required();
   add_rings(*command, *options);
   add_outputs(*command, *options);
@@ -262,7 +263,8 @@ void add_run(CLI::App& scenario, Context& context) {
 }  // namespace
 
 void add_scenario(CLI::App& app, Context& context) {
-  CLI::App* scenario = &add_group(app, "scenario", "Faults by script, and whether the ring copes");
+  CLI::App* scenario = &add_group(app, "scenario", "Run faults by script, and check if the ring copes",
+                                  "ringctl scenario run walk.yaml");
   add_scenario_list(*scenario, context);
   add_scenario_shrink(*scenario, context);
   add_run(*scenario, context);

@@ -82,7 +82,8 @@ int run(const ScenarioListOptions& options) {
 
 void add_scenario_list(CLI::App& scenario, Context& context) {
   auto options = std::make_shared<ScenarioListOptions>();
-  CLI::App* command = add_command(scenario, "list", "What scenarios are about, and where they can be run");
+  CLI::App* command = add_command(scenario, "list", "Show what scenarios are about, and where they run",
+                                  "ringctl scenario list scenarios/");
   command->add_option("PLACE", options->places, "Scenarios, or folders of them")->required();
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });

@@ -64,9 +64,9 @@ int run(ShrinkOptions& options) {
 
 void add_scenario_shrink(CLI::App& scenario, Context& context) {
   auto options = std::make_shared<ShrinkOptions>();
-  CLI::App* command = add_command(scenario, "shrink",
-                                  "Make a scenario that is not as expected as small as it can be, under the virtual "
-                                  "clock; exit code 1: it is as expected");
+  CLI::App* command = add_command(scenario, "shrink", "Make a failing scenario as small as possible",
+                                  "ringctl scenario shrink walk.yaml",
+                                  "Uses the virtual clock. Ends with 1 if the scenario does not fail.");
   command->add_option("FILE", options->request.path, "The scenario, YAML")->required();
   command->add_option("-o,--out", options->out, "Write the small one there instead of to standard output");
   command->add_option("--seed", options->request.seed, "Instead of the file's own")

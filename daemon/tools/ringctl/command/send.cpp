@@ -75,7 +75,8 @@ void require_one(const CLI::App& data) {
 
 void add_send(CLI::App& app, Context& context) {
   auto options = std::make_shared<SendOptions>();
-  CLI::App* command = add_command(app, "send", "Send data packets, and say how they ended");
+  CLI::App* command = add_command(app, "send", "Send data packets, and print how each ended",
+                                  "ringctl send --from head --to left_knee --data hello");
   command->add_option("--from", options->from, "Node that sends, id or name")->required();
   command->add_option("--to", options->to, "Node to send to, id or name, or all")->required();
   command->add_option("--priority", options->priority, "0 (highest) to 3; default 2")->transform(cli::whole(0, 3));

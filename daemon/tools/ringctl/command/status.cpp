@@ -35,11 +35,19 @@ using std::chrono::steady_clock;
 struct StatusOptions {
   std::string ring;
   double interval_s = 1;
-  bool json = false, pids = false, watch = false, once = false;
+  bool json = false, all = false, pids = false, watch = false, once = false;
 };
 
-void print_json(const RingAccess& ring, std::vector<nlohmann::json> rows) {
-  for (auto& row : rows) row.erase("ring");  // once is enough
+void drop_zeros(nlohmann::json& counters) {
+  for (auto it = counters.begin(); it != counters.end();) it = it.value() == 0 ? counters.erase(it) : std::next(it);
+}
+
+void print_json(const RingAccess& ring, std::vector<nlohmann::json> rows, bool all_counters) {
+  for (auto& row : rows) {
+    row.erase("ring");  // once is enough
+    row["cpu"]["state"] = cpu_word(row);
+    if (!all_counters) drop_zeros(row["counters"]);
+  }
   nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
   const nlohmann::json clock = ring_clock(ring.ring());
   if (clock.is_object()) all["clock"] = clock;
@@ -54,8 +62,8 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
   const std::string heading = headline(ring.ring(), rows) + clock_words(ring_clock(ring.ring()));
   std::cout << app::wrapped(heading, style.width) << status_table(rows, style)
-            << app::wrapped(line_report(rows) + unanswered_report(rows) + cpu_report(rows) + warning_report(rows) +
-                                stop_report(rows) + supervision_text(rows),
+            << app::wrapped(round_trips_since(rows) + line_report(rows) + unanswered_report(rows) + cpu_report(rows) +
+                                warning_report(rows) + stop_report(rows) + supervision_text(rows),
                             style.width);
 }
 
@@ -73,7 +81,7 @@ int show_once(const Context& context, const StatusOptions& options) {
   tell_unreadable(ring_directory(ring.ring()));
   const auto rows = status_rows(ring);
   if (options.json)
-    print_json(ring, rows);
+    print_json(ring, rows, options.all);
   else
     print_text(ring, rows, options.pids);
   return kDone;
@@ -104,8 +112,9 @@ TopStyle style() {
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
                   const TopStyle& style) {
   return top_table(headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
-                   line_report(now.rows) + unanswered_report(now.rows) + cpu_report(now.rows) +
-                       warning_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
+                   round_trips_since(now.rows) + line_report(now.rows) + unanswered_report(now.rows) +
+                       cpu_report(now.rows) + warning_report(now.rows) + stop_report(now.rows) +
+                       supervision_text(now.rows));
 }
 
 nlohmann::json json_of(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows) {
@@ -156,10 +165,10 @@ int run(const Context& context, const StatusOptions& options) {
 
 void add_status(CLI::App& app, Context& context) {
   auto options = std::make_shared<StatusOptions>();
-  CLI::App* command = add_command(app, "status",
-                                  "Show all nodes; one without a daemon is 'down'; one whose daemon is stopped is "
-                                  "'frozen', and 'unanswered' where it lives and has not answered, or could not be "
-                                  "asked");
+  CLI::App* command =
+      add_command(app, "status", "Show all nodes, once or again and again (--watch)", "ringctl status leg8 --watch",
+                  "A node without a daemon is 'down'. If its daemon is stopped by a signal, it is 'frozen'. If its "
+                  "daemon lives and does not answer, it is 'unanswered'.");
   command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   CLI::Option* watch =
       command->add_flag("-w,--watch", options->watch, "Draw it again and again, with rates, load and errors; q ends");
@@ -169,6 +178,7 @@ void add_status(CLI::App& app, Context& context) {
   command->add_flag("--once", options->once, "Print the rates of one interval, and end")->needs(watch);
   command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too")->excludes(watch);
   add_json(*command, options->json);
+  command->add_flag("-a,--all", options->all, "With --json: counters that are zero, too")->excludes(watch);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 

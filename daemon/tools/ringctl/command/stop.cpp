@@ -21,12 +21,12 @@ struct StopOptions {
 };
 
 constexpr const char* kStopHelp =
-    "Without --from, nodes that the stop has not reached are asked to send it as well: so it reaches all whose "
-    "daemon is on this host also in an open chain, or in a ring that has folded into parts.\n"
-    "It ends with 0 where each CPU has said that it has stopped, or was told while it ran and is of a kind that "
-    "never says so (not limb_firmware); with 1 where the stop did not reach a node; with 4 where nobody knows: a "
-    "node's daemon does not answer, or its CPU was told and is silent, or did not run and comes up without the "
-    "stop.\n";
+    "An interrupt sends CPUs into their safe state. Without --from, nodes that the stop has not reached are asked to "
+    "send it as well, so it reaches all nodes of this host also in an open chain, or in a ring that has folded into "
+    "parts.\n"
+    "Ends with 0 if each CPU has said that it stopped, or was told while it ran and is of a kind that never says so "
+    "(not limb_firmware). Ends with 1 if the stop did not reach a node. Ends with 4 if nobody knows: the daemon of a "
+    "node does not answer, or its CPU was told and is silent, or did not run and comes up without the stop.";
 
 nlohmann::json to_json(const std::vector<ask::KnownStop>& stops) {
   nlohmann::json list = nlohmann::json::array();
@@ -116,12 +116,10 @@ int run(const Context& context, const StopOptions& options) {
 
 void add_stop(CLI::App& app, Context& context) {
   auto options = std::make_shared<StopOptions>();
-  CLI::App* command = add_command(
-      app, "stop", "Stop joints: an interrupt that sends CPUs into their safe state, until 'ringctl resume'");
+  CLI::App* command = add_command(app, "stop", "Stop joints, until 'ringctl resume'", "ringctl stop", kStopHelp);
   command->add_option("NODE", options->node, "Node, id or name, or all (default)");
   command->add_option("--from", options->from,
-                      "The one node that sends; default: the first that answers, and others where it takes more");
-  command->footer(kStopHelp + std::string(kExitCodesHelp));
+                      "Only this node sends; default: the first that answers, and others if one does not reach all");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }

@@ -175,7 +175,7 @@ int run(const Context& context, ShowOptions options) {
 }
 
 void add_filter(CLI::App& command, FilterWords& words) {
-  command.add_option("--at", words.at, "in, out or in,out; default in, where each packet of a closed ring passes once")
+  command.add_option("--at", words.at, "in, out or in,out; default in: there each packet of a closed ring passes once")
       ->delimiter(',')
       ->transform(cli::one_of(kLines));
   command.add_option("--kind", words.kinds, "data, control (hellos, beacons), interrupt; default all")
@@ -189,8 +189,8 @@ void add_filter(CLI::App& command, FilterWords& words) {
   command.add_option("--channel", words.channel, "Only data packets of these, 0 to 63, or user, control, joint, topic")
       ->delimiter(',')
       ->transform(any_channel());
-  command.add_option("--sample", words.sample, "Of those only every so many-th")->transform(cli::whole(1, 1000000));
-  command.add_option("--limit", words.limit, "At most so many a second from each node; default 0: no limit")
+  command.add_option("--sample", words.sample, "Only every N-th of those")->transform(cli::whole(1, 1000000));
+  command.add_option("--limit", words.limit, "At most N a second from each node; default 0: no limit")
       ->transform(cli::whole(0, 1000000000));
 }
 
@@ -203,7 +203,7 @@ void add_options(CLI::App& command, ShowOptions& options) {
       ->transform(cli::word_of(stamps));
   command.add_flag("-d,--decode", options.text.decode, "Hellos, beacons, joints, sensors and topics in words");
   command.add_flag("-e,--events", options.events, "Changes of state, links, pins and CPUs too; -w always writes them");
-  command.add_option("-n,--count", options.count, "End after so many packets; default 0: never")
+  command.add_option("-n,--count", options.count, "End after N packets; default 0: never")
       ->transform(cli::whole(0, 1000000000));
   command.add_flag("-a,--ascii", options.text.ascii, "Data as characters too");
   command.add_flag("-l,--log", options.log, "As -w, into a file named by date and time, here");
@@ -215,8 +215,9 @@ void add_options(CLI::App& command, ShowOptions& options) {
 
 void add_traffic_show(CLI::App& app, Context& context) {
   auto options = std::make_shared<ShowOptions>();
-  CLI::App* command =
-      add_command(app, "show", "Print the packets on nodes' lines, a line each, until interrupted; or a capture file");
+  CLI::App* command = add_command(app, "show", "Print the packets on lines of nodes, or of a capture",
+                                  "ringctl traffic show left_knee --kind data --count 10 --decode",
+                                  "Goes on until Ctrl-C, or the end of the file.");
   add_options(*command, *options);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
@@ -261,15 +262,14 @@ int run(const Context& context, const EventsOptions& options) {
 
 void add_traffic_events(CLI::App& app, Context& context) {
   auto options = std::make_shared<EventsOptions>();
-  CLI::App* command = add_command(
-      app, "events",
-      "Print the events of a node, a line of JSON each, until interrupted; packets: 'ringctl traffic show'");
+  CLI::App* command = add_command(app, "events", "Print the events of a node, a line of JSON each",
+                                  "ringctl traffic events left_knee --kinds state,cpu", "Goes on until Ctrl-C.");
   command->add_option("NODE", options->node, "Node, id or name")->required();
   command
       ->add_option("--kinds", options->kinds, "Only these kinds of events, of: " + config::join(client::event_kinds()))
       ->delimiter(',')
       ->transform(cli::one_of(client::event_kinds()));
-  command->add_option("-n,--count", options->count, "End after so many lines; default 0: never")
+  command->add_option("-n,--count", options->count, "End after N lines; default 0: never")
       ->transform(cli::whole(0, 1000000000));
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
@@ -429,8 +429,8 @@ void add_options(CLI::App& command, WhyOptions& options) {
   command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")
       ->transform(cli::whole(0, 7));
   command.add_option("--at", options.at,
-                     "Only those on their way then: 12.5ms since the first packet, or as traffic show -t a");
-  command.add_option("-n,--count", options.count, "At most so many, the slowest first; default 1; 0: all")
+                     "Only those that were under way then: 12.5ms since the first packet, or as traffic show -t a");
+  command.add_option("-n,--count", options.count, "At most N, the slowest first; default 1; 0: all")
       ->transform(cli::whole(0, 1000000000));
   CLI::Option* svg = command.add_option("--svg", options.svg, "Draw the first of them there");
   command
@@ -442,8 +442,9 @@ void add_options(CLI::App& command, WhyOptions& options) {
 
 void add_traffic_why(CLI::App& app, Context& context) {
   auto options = std::make_shared<WhyOptions>();
-  CLI::App* command =
-      add_command(app, "why", "Why was it late: the path of the slowest packet, hop by hop, and what it waited for");
+  CLI::App* command = add_command(app, "why", "Explain why packets were late, hop by hop",
+                                  "ringctl traffic why --live --for 5s --count 3",
+                                  "Shows the path of the slowest packet, and what it waited for at each node.");
   add_options(*command, *options);
   command->callback([&context, command, options] {
     if (!options->over.empty() && command->count("--count") == 0) options->count = 0;
@@ -623,16 +624,15 @@ int run(const Context& context, const AgainOptions& options) {
 
 void add_traffic_again(CLI::App& app, Context& context) {
   auto options = std::make_shared<AgainOptions>();
-  CLI::App* command = add_command(app, "again",
-                                  "Send the data packets and interrupts of a capture again, each from "
-                                  "its source, in their time");
+  CLI::App* command =
+      add_command(app, "again", "Send the packets of a capture again", "ringctl traffic again walk.pcapng --speed 2",
+                  "Each data packet and each interrupt is sent from its source, at its time.");
   command->add_option("FILE", options->file, "pcapng, of 'ringctl traffic show -w' or 'ring_sim run --capture'")
       ->required();
-  command->add_option("--speed", options->speed, "So many times as fast, 0.001 to 1000; default 1")
+  command->add_option("--speed", options->speed, "N times as fast, 0.001 to 1000; default 1")
       ->transform(cli::real(0.001, 1000.0));
-  command->add_option("--loop", options->loop, "So many times, 1 to 1000000; default 1")
-      ->transform(cli::whole(1, 1000000));
-  command->add_flag("--no-interrupts", options->no_interrupts, "Data packets alone: interrupts may reset CPUs again");
+  command->add_option("--loop", options->loop, "N times, 1 to 1000000; default 1")->transform(cli::whole(1, 1000000));
+  command->add_flag("--no-interrupts", options->no_interrupts, "Only data packets: interrupts may reset CPUs again");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
@@ -640,7 +640,8 @@ void add_traffic_again(CLI::App& app, Context& context) {
 }  // namespace
 
 void add_traffic(CLI::App& app, Context& context) {
-  CLI::App& traffic = add_group(app, "traffic", "What passes: packets, events, why one was late; and the same again");
+  CLI::App& traffic = add_group(app, "traffic", "Show packets and events, explain delays, send again",
+                                "ringctl traffic show left_knee -d");
   add_traffic_show(traffic, context);
   add_traffic_events(traffic, context);
   add_traffic_why(traffic, context);

@@ -146,31 +146,30 @@ void read_clock(UpOptions& options) {
 void add_clock(CLI::App& command, UpOptions& options) {
   CLI::Option* clock =
       command
-          .add_option(
-              "--clock", options.clock,
-              "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
-              "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. follow: the same, and "
-              "its "
-              "time goes on as far as a client allows, such as ring_bridge by /clock; no --timeout counts. Default: "
-              "machine")
+          .add_option("--clock", options.clock,
+                      "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
+                      "CONFIG (default: 1 Gbit/s, 512 ns). CPUs and tools connect as usual. follow: the same, but "
+                      "its "
+                      "time goes on only as far as a client allows, such as ring_bridge by /clock; --timeout does not "
+                      "count. Default: "
+                      "machine")
           ->transform(cli::one_of({"machine", "virtual", "follow"}));
   command
       .add_option("--pace", options.pace,
-                  "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000, or max: as fast as "
+                  "With --clock virtual: its time per real time, 0.001 to 1000, or max: as fast as "
                   "the machine and the CPUs are; default 1, of follow max")
       ->transform(cli::pace())
       ->needs(clock);
   command
-      .add_option(
-          "--for", options.lasts_s,
-          "With --clock virtual: the ring ends by itself after so many seconds of its time, and tells its trace "
-          "hash")
+      .add_option("--for", options.lasts_s,
+                  "With --clock virtual: the ring ends after that many seconds of its time, and prints its trace "
+                  "hash")
       ->transform(cli::seconds(0.001, 1e9))
       ->needs(clock);
   command
       .add_option("--capture", options.capture,
                   "With --clock virtual: write the packets on all lines there, as pcapng; 'ring_sim compare-traces' "
-                  "finds where two runs part")
+                  "names the first packet in which two runs differ")
       ->needs(clock);
 }
 
@@ -180,15 +179,15 @@ void add_request(CLI::App& command, UpRequest& request) {
                      "YAML file of the ring; or its name: NAME.yaml in ~/.config/limb_ring, in "
                      "/etc/limb_ring, or of those that came with limb_ring, such as leg8");
   command
-      .add_option("--nodes", request.nodes,
-                  "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
+      .add_option(
+          "--nodes", request.nodes,
+          "Number of nodes, 2 to 255: instead of CONFIG plain nodes without CPUs; with CONFIG it must be the same")
       ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
-  command.add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
+  command.add_option("--transport", request.transport, "unix, shm or udp, for all lines, instead of what CONFIG says")
       ->transform(cli::one_of(config::transport_words()));
-  command.add_option(
-      "--host", request.host,
-      "Where CONFIG has `hosts`: start the nodes of this one; all: run all nodes on this machine. Default: "
-      "the host whose address is this machine's, where that is one");
+  command.add_option("--host", request.host,
+                     "If CONFIG has `hosts`: start the nodes of this host; all: run all nodes on this machine. "
+                     "Default: the host that has this machine's address");
   command.add_flag("--record", request.record,
                    "Each node records all that goes into its network controller and comes out, for 'ringctl record'");
 }
@@ -200,9 +199,9 @@ void add_stay(CLI::App& command, UpOptions& options) {
                    "ID.log in the ring's folder (of a virtual ring one for all, ring.log)");
   command
       .add_flag("--respawn", options.respawn,
-                "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
-                "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files. With --clock "
-                "virtual: the whole ring, at 0 s of its time and with all its nodes")
+                "Restart a daemon that ends by itself, but not one that 'ringctl down' or 'ringctl fault kill' ended. "
+                "Stays when the ring is taken down. Has no --timeout. For launch files. With --clock virtual the whole "
+                "ring restarts, at 0 s of its time")
       ->excludes("--detach");
 }
 
@@ -210,8 +209,9 @@ void add_stay(CLI::App& command, UpOptions& options) {
 
 void add_up(CLI::App& app, Context& context) {
   auto options = std::make_shared<UpOptions>();
-  CLI::App* command = add_command(
-      app, "up", "Start a ring, or one host's part of it, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
+  CLI::App* command =
+      add_command(app, "up", "Start a ring, and stay until Ctrl-C or 'ringctl down'", "ringctl up leg8 --detach",
+                  "One ringd runs per node. Of a ring over several hosts, this starts the part of this host.");
   add_request(*command, options->request);
   add_stay(*command, *options);
   add_clock(*command, *options);

@@ -39,8 +39,8 @@ int run(const Context& context, const WaitOptions& options) {
 
 void add_wait(CLI::App& app, Context& context) {
   auto options = std::make_shared<WaitOptions>();
-  CLI::App* command =
-      add_command(app, "wait", "Return when the ring is whole (wait up), or a node is so (wait NODE STATE)");
+  CLI::App* command = add_command(app, "wait", "Return when the ring is whole, or a node is in a state",
+                                  "ringctl wait left_knee running --timeout 5s");
   command
       ->add_option("WHAT", options->what,
                    "up: all nodes are, and the CPUs that ringd starts run; or a node, id or name")
