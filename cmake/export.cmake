@@ -2,11 +2,12 @@
 include(CMakePackageConfigHelpers)
 function(limb_ring_export prefix include output)
   set(export_include ${include})
+  set(export_joint_node ${prefix}/${LIMB_RING_LIB}/liblimb_ring_joint_node.a)
   set(export_client ${prefix}/${LIMB_RING_LIB}/liblimb_ring_client.a)
   set(export_payload ${prefix}/${LIMB_RING_LIB}/liblimb_ring_payload.a)
   configure_package_config_file(cmake/limb_ringConfig.cmake.in ${output}/limb_ringConfig.cmake
     INSTALL_DESTINATION ${prefix}/${LIMB_RING_SHARE}/cmake INSTALL_PREFIX ${prefix}
-    PATH_VARS export_include export_client export_payload)
+    PATH_VARS export_include export_joint_node export_client export_payload)
   write_basic_package_version_file(${output}/limb_ringConfig-version.cmake
     VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
   configure_file(cmake/limb_ring-extras.cmake ${output}/limb_ring-extras.cmake COPYONLY)

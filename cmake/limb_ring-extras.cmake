@@ -2,7 +2,7 @@
 # with their headers, and nothing of ROS. limb_ring_INCLUDE_DIRS and limb_ring_LIBRARIES are there by now; catkin's hold the messages, too.
 if(NOT TARGET limb_ring::limb_ring)
   set(limb_ring_own_libraries ${limb_ring_LIBRARIES})
-  list(FILTER limb_ring_own_libraries INCLUDE REGEX "limb_ring_(client|payload)")
+  list(FILTER limb_ring_own_libraries INCLUDE REGEX "limb_ring_(joint_node|client|payload)")
   add_library(limb_ring::limb_ring INTERFACE IMPORTED)
   set_target_properties(limb_ring::limb_ring PROPERTIES
     INTERFACE_INCLUDE_DIRECTORIES "${limb_ring_INCLUDE_DIRS}"

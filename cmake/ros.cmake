@@ -16,7 +16,7 @@ add_service_files(FILES ${srv_files})
 generate_messages(DEPENDENCIES std_msgs sensor_msgs)
 catkin_package(
   INCLUDE_DIRS include
-  LIBRARIES limb_ring_client limb_ring_payload
+  LIBRARIES limb_ring_joint_node limb_ring_client limb_ring_payload
   CFG_EXTRAS limb_ring-extras.cmake
   SKIP_PKG_CONFIG_GENERATION  # ours asks for nothing of ROS
   CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools)

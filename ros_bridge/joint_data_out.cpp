@@ -1,5 +1,6 @@
 #include "ros_bridge/joint_data_out.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "limb_ring/payload/packet_type.h"
@@ -17,6 +18,14 @@ constexpr std::chrono::milliseconds kLongestPause{30};
 
 std::chrono::nanoseconds period_of(double rate) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(1 / rate));
+}
+
+/// A packet that does not fit is shown in status and diagnostics for so long.
+constexpr std::chrono::seconds kShown{3};
+constexpr std::size_t kMostSaid = 100;  ///< different ones, in the log
+
+const char* kind_words(payload::SensorReading::Kind kind) {
+  return kind == payload::SensorReading::Kind::imu ? "an IMU" : "a force sensor";
 }
 
 bool is_kind(payload::SensorReading::Kind read, Kind configured) {
@@ -43,14 +52,16 @@ JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& rin
 void JointDataOut::advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring) {
   const FrameNames frames;
   for (const auto& node : ring.nodes) {
+    names_[node.id] = node.name;
     Sampled& sampled = sampled_[node.id];
     for (const auto& joint : node.joints) sampled.joints.push_back(joint.name);
     if (!node.joints.empty()) sampled.states = nodes.advertise<sensor_msgs::JointState>("states/" + node.name, 100);
     for (const auto& sensor : node.sensors) {
       const auto topic = "sensors/" + sensor.name;
-      sampled.sensors.push_back({frames.of(sensor.name), sensor.kind,
+      sampled.sensors.push_back({sensor.name, frames.of(sensor.name), sensor.kind,
                                  sensor.kind == Kind::imu ? nodes.advertise<sensor_msgs::Imu>(topic, 10)
-                                                          : nodes.advertise<geometry_msgs::WrenchStamped>(topic, 10)});
+                                                          : nodes.advertise<geometry_msgs::WrenchStamped>(topic, 10),
+                                 period_of(sensor.rate), std::nullopt});
     }
   }
 }
@@ -62,11 +73,18 @@ void JointDataOut::on_packet(const Packet& packet) {
 
 void JointDataOut::take_state(const Packet& packet) {
   const auto state = payload::decode_joint_state(packet.data);
-  if (!state) return counters_.lose("joint_packets_malformed");
+  if (!state)
+    return refuse(packet.source, "joint_packets_malformed",
+                  std::string("a joint state of it cannot be read: ") + payload::to_string(state.error()));
+  bool fits = false;
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    if (!store_.take(packet.source, *state, port_.now())) return counters_.lose("joint_packets_unfit");
+    fits = store_.take(packet.source, *state, port_.now());
   }
+  if (!fits)
+    return refuse(packet.source, "joint_packets_unfit",
+                  "it sends the state of " + std::to_string(state->joints.size()) +
+                      " joints, which is not what the ring's file gives it; none of them is taken");
   counters_.add("states_in");
   publish_sample(packet.source, *state);
 }
@@ -82,11 +100,21 @@ void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& 
 
 void JointDataOut::take_reading(const Packet& packet) {
   const auto reading = payload::decode_sensor_reading(packet.data);
-  if (!reading) return counters_.lose("joint_packets_malformed");
-  const auto& sensors = sampled_[packet.source].sensors;
+  if (!reading)
+    return refuse(packet.source, "joint_packets_malformed",
+                  std::string("joint data of it cannot be read: ") + payload::to_string(reading.error()));
+  const auto from = sampled_.find(packet.source);
+  if (from == sampled_.end()) return counters_.lose("joint_packets_unfit");
+  auto& sensors = from->second.sensors;
   if (reading->sensor >= sensors.size() || !is_kind(reading->kind, sensors[reading->sensor].kind))
-    return counters_.lose("joint_packets_unfit");
-  const Sensor& sensor = sensors[reading->sensor];
+    return refuse(packet.source, "joint_packets_unfit",
+                  std::string("it sends a reading of ") + kind_words(reading->kind) + " as sensor " +
+                      std::to_string(reading->sensor) + " (from 0), which the ring's file does not give it");
+  Sensor& sensor = sensors[reading->sensor];
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    sensor.heard = port_.now();
+  }
   counters_.add("readings_in");
   if (sensor.publisher.getNumSubscribers() == 0) return;
   port_.tell_time();
@@ -123,6 +151,32 @@ void JointDataOut::note(const JointStore::Snapshot& snapshot) {
   log_ << port_.stamp_of(RingPort::Clock::now());
   for (const auto& sample : snapshot.samples) log_ << ' ' << int{sample.node} << ':' << sample.stamp_ns;
   log_ << std::endl;
+}
+
+void JointDataOut::refuse(std::uint8_t node, const char* counter, const std::string& why) {
+  counters_.lose(counter);
+  std::lock_guard<std::mutex> lock(mutex_);
+  unfit_[node] = {why, port_.now()};
+  if (said_.size() >= kMostSaid || !said_.emplace(node, why).second) return;
+  const auto name = names_.find(node);
+  ROS_WARN("node %s: %s", name == names_.end() ? std::to_string(node).c_str() : name->second.c_str(), why.c_str());
+}
+
+std::string JointDataOut::problem_of(std::uint8_t node) const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = unfit_.find(node);
+  return found != unfit_.end() && port_.now() - found->second.at < kShown ? found->second.why : std::string();
+}
+
+std::vector<std::string> JointDataOut::silent_sensors() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<std::string> silent;
+  for (const auto& [node, sampled] : sampled_)
+    for (const Sensor& sensor : sampled.sensors) {
+      const auto patience = std::max<RingPort::Clock::duration>(3 * sensor.period, longest_pause());
+      if (!sensor.heard || port_.now() - *sensor.heard > patience) silent.push_back(sensor.name);
+    }
+  return silent;
 }
 
 std::vector<std::string> JointDataOut::silent_joints() const {

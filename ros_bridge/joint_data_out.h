@@ -5,6 +5,8 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +36,10 @@ class JointDataOut {
   void on_published(std::function<void(ros::Time)> handler) { published_ = std::move(handler); }
   /// Any thread: as of the last `joint_states`.
   std::vector<std::string> silent_joints() const;
+  /// Any thread: sensors of which nothing has come for three of their periods.
+  std::vector<std::string> silent_sensors() const;
+  /// Any thread: what is wrong with what that node sends, in words, for as long as it sends so; empty: nothing.
+  std::string problem_of(std::uint8_t node) const;
   /// Any thread.
   JointStore::Received received(std::uint8_t node) const;
   /// Ring thread only: the node's joints are not silent.
@@ -59,9 +65,17 @@ class JointDataOut {
   std::function<void()> publishing_ = [] {};
   std::function<void(ros::Time)> published_ = [](ros::Time) {};
   struct Sensor {
-    std::string frame;
+    std::string name, frame;
     config::SensorConfig::Kind kind;
     ros::Publisher publisher;
+    std::chrono::nanoseconds period;
+    std::optional<RingPort::Clock::time_point> heard;
+  };
+  /// A packet that does not fit the ring's file: counted, said once in the log for each kind, and shown for a while.
+  void refuse(std::uint8_t node, const char* counter, const std::string& why);
+  struct Unfit {
+    std::string why;
+    RingPort::Clock::time_point at;
   };
   struct Sampled {
     std::vector<std::string> joints;
@@ -69,6 +83,9 @@ class JointDataOut {
     std::vector<Sensor> sensors;
   };
   std::map<std::uint8_t, Sampled> sampled_;  // by node
+  std::map<std::uint8_t, Unfit> unfit_;      ///< the last of each node
+  std::map<std::uint8_t, std::string> names_;
+  std::set<std::pair<std::uint8_t, std::string>> said_;
 };
 
 }  // namespace limb_ring::bridge

@@ -35,6 +35,10 @@ void NodeHealth::take(const RingStatus& ring, Clock::time_point now) {
   note_changes(*found, now);
   status_ = *found;
   bridge_connected_ = ring.connected;
+  silent_sensors_.clear();
+  for (const auto& sensor : config_.sensors)
+    if (std::count(ring.silent_sensors.begin(), ring.silent_sensors.end(), sensor.name) != 0)
+      silent_sensors_.push_back(sensor.name);
   has_silent_joints_ = std::any_of(config_.joints.begin(), config_.joints.end(), [&](const auto& joint) {
     return std::count(ring.silent_joints.begin(), ring.silent_joints.end(), joint.name) != 0;
   });
@@ -99,6 +103,8 @@ void NodeHealth::tell_cpu(DiagnosticStatusWrapper& out) const {
   else if (cpu == "absent" || cpu == "booting")
     out.mergeSummary(Level::WARN, "its CPU is " + cpu);
   if (has_silent_joints_) out.mergeSummary(Level::WARN, "no joint states of it");
+  for (const std::string& sensor : silent_sensors_) out.mergeSummary(Level::WARN, "no readings of " + sensor);
+  if (!status_.problem.empty()) out.mergeSummary(Level::WARN, status_.problem);
   if (status_.stopped) out.mergeSummary(Level::WARN, "stopped until `resume`");
 }
 

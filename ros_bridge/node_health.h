@@ -42,6 +42,7 @@ class NodeHealth {
   CounterGrowth errors_;
   NodeStatus status_;
   std::int32_t last_pid_ = 0;  // while it is down it has none
+  std::vector<std::string> silent_sensors_;
   bool bridge_connected_ = false, has_silent_joints_ = false, was_heard_ = false;
   Clock::time_point heard_at_{};
 };

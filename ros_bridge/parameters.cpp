@@ -169,6 +169,11 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   parameters.daemon.ring = parameters.ring.ring;
   const std::string named = given_text(own, "node");
   const config::NodeConfig& node = bridge_node(parameters.ring, named);
+  if (node.cpu.kind == CpuKind::attached && (!node.joints.empty() || !node.sensors.empty()))
+    throw std::invalid_argument(
+        "node '" + node.name + "' of " + parameters.ring.path + " has " +
+        (node.joints.empty() ? "sensor '" + node.sensors[0].name : "joint '" + node.joints[0].name) +
+        "', and ring_bridge is its CPU, which drives no joint and reads no sensor; give it to a node with firmware");
   parameters.daemon.node = node.name;
   parameters.daemon.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
   parameters.daemon.alive_period = kAlivePeriod;

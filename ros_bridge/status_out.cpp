@@ -67,7 +67,7 @@ std::string StatusOut::problem() {
 }
 
 bool StatusOut::is_due() {
-  Noticed now{watch_.digest(), joints_.silent_joints(), problem(), stopped_nodes()};
+  Noticed now{watch_.digest(), joints_.silent_joints(), joints_.silent_sensors(), problem(), stopped_nodes()};
   const bool changed = now != noticed_;
   noticed_ = std::move(now);
   return changed || Clock::now() - published_ >= kPeriod;
@@ -100,6 +100,7 @@ void StatusOut::fill_header(RingStatus& status) {
   status.message = noticed_.problem;
   status.connected = noticed_.problem.empty();
   status.silent_joints = noticed_.silent;
+  status.silent_sensors = noticed_.silent_sensors;
   for (const auto& [name, value] : counters_.all()) {
     status.counter_names.push_back(name);
     status.counter_values.push_back(value);
@@ -111,6 +112,7 @@ void StatusOut::fill_joints(NodeStatus& node) const {
   node.states_received = received.states;
   node.states_missing = received.missing;
   node.commands_not_obeyed = received.refused;
+  node.problem = joints_.problem_of(node.id);
   node.stopped |= received.stopped;  // they come sooner than what is asked for
 }
 

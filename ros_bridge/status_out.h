@@ -39,14 +39,15 @@ class StatusOut {
  private:
   /// What is told at once where it changes.
   struct Noticed {
-    std::string digest;                ///< of the daemons' states
-    std::vector<std::string> silent;   ///< joints
+    std::string digest;               ///< of the daemons' states
+    std::vector<std::string> silent;  ///< joints
+    std::vector<std::string> silent_sensors;
     std::string problem;               ///< of the bridge's own connection
     std::vector<std::string> stopped;  ///< nodes whose joint states say that a stop is latched
 
     bool operator!=(const Noticed& other) const {
-      return std::tie(digest, silent, problem, stopped) !=
-             std::tie(other.digest, other.silent, other.problem, other.stopped);
+      return std::tie(digest, silent, silent_sensors, problem, stopped) !=
+             std::tie(other.digest, other.silent, other.silent_sensors, other.problem, other.stopped);
     }
   };
 

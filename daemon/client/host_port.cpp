@@ -138,6 +138,10 @@ void HostPort::observe(const std::string& json_filter) {
   impl_->connection.send(client::ObserveRequest{json_filter});
 }
 
+void HostPort::stop_latched(bool latched) {
+  request(latched ? R"({"do": "stop_latched", "latched": true})" : R"({"do": "stop_latched", "latched": false})");
+}
+
 void HostPort::alive() {
   impl_->connection.await_turn();
   impl_->connection.send(client::Alive{});

@@ -83,6 +83,7 @@ const Section<TopicConfig>& topic_section() {
                      "For `ring_sim plan` alone: bytes of a message. 0: not planned."),
       real_option("rate", &TopicConfig::rate, {0, 100000, "Hz"},
                   "For `ring_sim plan` alone: messages a second. 0: not planned."),
+      deadline_option<TopicConfig>(),
   };
   return section;
 }

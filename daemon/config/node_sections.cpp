@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 
 #include "config/sections.h"
 #include "config/urdf_limits.h"
@@ -47,6 +48,20 @@ void complete_joint(const Entry& entry, JointConfig& joint) {
 }
 
 void complete_sensor(const Entry&, SensorConfig&) {}
+
+Option<SensorConfig> csv_option() {
+  const char* rule = "a path, from the folder of this file, or absolute";
+  return {
+      "csv", "made up from the node's joints", rule,
+      "limb_firmware plays this recording: rows of time in s, three linear and three angular values (m/s^2 and rad/s, "
+      "or N and N m), with commas between them; from the beginning again after the last row.",
+      [rule](const Entry& entry, SensorConfig& sensor) {
+        const auto folder = std::filesystem::absolute(entry.document().name).parent_path();
+        sensor.csv = (folder / entry.text(rule)).lexically_normal().string();
+        if (std::error_code error; !std::filesystem::is_regular_file(sensor.csv, error))
+          entry.refuse("there is no file " + sensor.csv, rule);
+      }};
+}
 
 Option<NodeConfig> id_option() {
   Option<NodeConfig> id =
@@ -165,6 +180,7 @@ const Section<SensorConfig>& sensor_section() {
                     "imu: acceleration and turn rate. force: contact force."),
       real_option("rate", &SensorConfig::rate, {0.1, 1000, "Hz"}, "How often it is sent."),
       integer_option("priority", &SensorConfig::priority, {0, 3}, "Of its packets; 0 is the highest."),
+      csv_option(),
   };
   return section;
 }

@@ -74,6 +74,16 @@ Option<T> time_option(const char* name, V T::*member, std::chrono::nanoseconds l
           }};
 }
 
+/// `deadline` of a stream, for plans.
+template <typename T>
+Option<T> deadline_option() {
+  const TimeRange range{std::chrono::microseconds(1), std::chrono::seconds(3600), std::chrono::nanoseconds(1)};
+  return {"deadline", "its period", allowed(range),
+          "For `ring_sim plan` alone: a message that may be delivered later than so long after it was asked for is "
+          "late, and the plan fails.",
+          [=](const Entry& entry, T& object) { object.deadline = read_time(entry, range); }};
+}
+
 template <typename T>
 Option<T> rate_option(const char* name, std::uint64_t T::*member, const char* meaning) {
   return {name, format_rate(T{}.*member), kAllowedRates, meaning,

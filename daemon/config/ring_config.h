@@ -71,6 +71,7 @@ struct SensorConfig {
   std::string name;
   enum class Kind { imu, force } kind = Kind::imu;
   double rate = 100.0;        ///< Hz
+  std::string csv;            ///< file that limb_firmware plays, absolute once loaded; empty: made up from the joints
   std::uint8_t priority = 1;  ///< 0..3
 };
 
@@ -177,9 +178,10 @@ struct TopicConfig {
   std::string output;  ///< topic advertised at the bridge of `to`; default: as `input`
   std::uint8_t from = 0, to = 0;
   std::uint8_t priority = 3;
-  unsigned queue = 4;  ///< messages waiting to be sent; the oldest is dropped, counted
-  unsigned size = 0;   ///< for plans: bytes of a message; 0: not planned
-  double rate = 0;     ///< for plans: Hz; 0: not planned
+  unsigned queue = 4;       ///< messages waiting to be sent; the oldest is dropped, counted
+  unsigned size = 0;        ///< for plans: bytes of a message; 0: not planned
+  double rate = 0;          ///< for plans: Hz; 0: not planned
+  nanoseconds deadline{0};  ///< for plans: a message that is delivered later is late; 0: its period
 };
 
 /// A stream of which nothing else in the file tells: for plans and simulation. The daemons do not
@@ -192,6 +194,7 @@ struct TrafficConfig {
   std::optional<std::uint8_t> interrupt;  ///< instead of a message an INTP with this factor
   double rate = 0;                        ///< Hz
   std::uint8_t priority = 3;
+  nanoseconds deadline{0};           ///< delivered later it is late; 0: its period
   nanoseconds jitter{0};             ///< asked for up to so much later than its period says
   std::optional<nanoseconds> phase;  ///< first message so long after the start; none: by the seed
 };

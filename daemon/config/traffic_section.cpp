@@ -67,6 +67,7 @@ const Section<TrafficConfig>& traffic_section() {
       frequency_option(),
       integer_option("priority", &TrafficConfig::priority, {0, 3},
                      "Of its packets; 0 is the highest. Not for an interrupt."),
+      deadline_option<TrafficConfig>(),
       time_option("jitter", &TrafficConfig::jitter, 0s, 10s, "It is asked for up to so much later than its rate says."),
       phase_option(),
   };

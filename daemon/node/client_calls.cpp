@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "limb_ring/payload/joint_state.h"
+#include "limb_ring/payload/packet_type.h"
 #include "node/observe_filter.h"
 #include "node/request_fields.h"
 #include "node/send_owner.h"
@@ -21,7 +23,16 @@ void ClientCalls::on_detach(const host::ClientInfo& client) {
   to_.driver.pump();
 }
 
+// One truth for the node's status, its beacons and whoever reads the joint states, whichever of the two the CPU uses.
+void ClientCalls::hear_of_stop(const client::SendRequest& request) {
+  if (request.channel != payload::kJointChannel) return;
+  const payload::ByteView data{request.data.data, request.data.size};
+  if (!payload::is_type(data, payload::PacketType::joint_state)) return;
+  if (const auto state = payload::decode_joint_state(data)) to_.cpu.stop_latched(state->mode.stopped);
+}
+
 void ClientCalls::on_send(host::ClientId client, const client::SendRequest& request) {
+  if (is_cpu(client)) hear_of_stop(request);
   core::SendRequest send;
   send.owner = SendOwner::of(client).to_core();
   send.token = request.token;

@@ -23,6 +23,7 @@ const std::vector<RequestKind>& request_kinds() {
       {"remove_fault", {"id"}, true},
       {"reset", {"node", "timeout_ms"}, true},
       {"run", {}, false},
+      {"setup", {}, false},
       {"shutdown", {}, false},
       {"status", {}, false},
       {"step", {"time_ns"}, false},

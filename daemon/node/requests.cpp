@@ -48,10 +48,11 @@ std::string names() {
 void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
   using Handler = void (Requests::*)(const Json&, const Answer&);
   using FaultHandler = void (*)(const FaultTargets&, const Json&, const Answer&);
-  static const std::map<std::string, Handler> handlers{
-      {"clock", &Requests::clock},   {"config", &Requests::config}, {"latch", &Requests::latch},
-      {"ping", &Requests::ping},     {"reset", &Requests::reset},   {"shutdown", &Requests::shutdown},
-      {"status", &Requests::status}, {"stop", &Requests::stop},     {"sync", &Requests::sync}};
+  static const std::map<std::string, Handler> handlers{{"clock", &Requests::clock},       {"config", &Requests::config},
+                                                       {"latch", &Requests::latch},       {"ping", &Requests::ping},
+                                                       {"reset", &Requests::reset},       {"setup", &Requests::setup},
+                                                       {"shutdown", &Requests::shutdown}, {"status", &Requests::status},
+                                                       {"stop", &Requests::stop},         {"sync", &Requests::sync}};
   static const std::map<std::string, FaultHandler> fault_handlers{
       {"clear_faults", clear_faults}, {"fault", begin_fault}, {"faults", list_faults}, {"remove_fault", remove_fault}};
   try {
@@ -96,6 +97,37 @@ void Requests::config(const Json&, const Answer& answer) {
           {"beacon_ms", to_.ring.timeouts.beacon.count()},
           {"cpu_boot_ms", to_.ring.timeouts.cpu_boot.count()},
           {"supervisor", config::supervisor_of(to_.ring).id}});
+}
+
+// What firmware needs of its node: by the file that this daemon has read, whatever stands there now.
+void Requests::setup(const Json&, const Answer& answer) {
+  const config::RingConfig& ring = to_.ring;
+  Json joints = Json::array(), sensors = Json::array();
+  for (const config::JointConfig& joint : to_.node.joints)
+    joints.push_back({{"name", joint.name},
+                      {"slides", joint.slides()},
+                      {"lower", joint.lower},
+                      {"upper", joint.upper},
+                      {"velocity", joint.velocity},
+                      {"effort", joint.effort},
+                      {"initial", joint.initial},
+                      {"damps", joint.safe == config::JointConfig::Safe::damp}});
+  for (const config::SensorConfig& sensor : to_.node.sensors)
+    sensors.push_back({{"name", sensor.name},
+                       {"imu", sensor.kind == config::SensorConfig::Kind::imu},
+                       {"rate", sensor.rate},
+                       {"priority", sensor.priority},
+                       {"csv", sensor.csv}});
+  answer({{"id", to_.node.id},
+          {"name", to_.node.name},
+          {"joints", joints},
+          {"sensors", sensors},
+          {"state_rate", ring.firmware.state_rate},
+          {"bandwidth", ring.firmware.bandwidth},
+          {"damping", ring.firmware.damping},
+          {"command_timeout_ms", ring.timeouts.command.count()},
+          {"alive_period_ms", to_.node.cpu.alive_period.count()},
+          {"state_to", config::body_of(ring).id}});
 }
 
 void Requests::status(const Json&, const Answer& answer) {

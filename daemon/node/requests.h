@@ -51,6 +51,7 @@ class Requests {
   void latch(const Json& request, const Answer& answer);
   void ping(const Json& request, const Answer& answer);
   void reset(const Json& request, const Answer& answer);
+  void setup(const Json& request, const Answer& answer);
   void shutdown(const Json& request, const Answer& answer);
   void stop_latched(const Json& request, bool of_cpu, const Answer& answer);
   void status(const Json& request, const Answer& answer);

@@ -37,7 +37,8 @@ StopState state_in(const json& row, milliseconds age) {
   const json pulled = pulled_ms(row);
   if (!pulled.is_number() || pulled > age.count()) return StopState::not_reached;
   if (comes_back(state, kind)) return StopState::booting;
-  return state == "silent" || cpu.value("hung", false) ? StopState::silent : StopState::told;
+  if (state == "silent" || cpu.value("hung", false)) return StopState::silent;
+  return stop_in(row).value("latches", true) ? StopState::told : StopState::never;
 }
 
 StopState state_in_beacon(const json& heard, bool delivered) {
@@ -76,6 +77,8 @@ const char* to_string(StopState state) {
       return "told";
     case StopState::silent:
       return "silent";
+    case StopState::never:
+      return "never";
     case StopState::booting:
       return "booting";
     case StopState::no_cpu:
@@ -227,7 +230,8 @@ bool any_is(const std::vector<KnownStop>& stops, StopState state) {
 
 bool all_told(const std::vector<KnownStop>& stops) {
   return std::all_of(stops.begin(), stops.end(), [](const KnownStop& stop) {
-    return stop.state == StopState::stopped || stop.state == StopState::told || stop.state == StopState::no_cpu;
+    return stop.state == StopState::stopped || stop.state == StopState::told || stop.state == StopState::never ||
+           stop.state == StopState::no_cpu;
   });
 }
 
@@ -237,6 +241,7 @@ std::string sentence_of(const std::vector<KnownStop>& stops) {
   return std::to_string(stopped) + " of " + std::to_string(stops.size()) + " stopped" +
          group(stops, StopState::told, "told, but the CPU does not say whether it has stopped") +
          group(stops, StopState::silent, "told, but the CPU is silent and may not have stopped") +
+         group(stops, StopState::never, "told, and never stops") +
          group(stops, StopState::booting, "the CPU did not run, and comes up without the stop") +
          group(stops, StopState::no_cpu, "no CPU to stop") + group(stops, StopState::not_reached, "not reached") +
          group(stops, StopState::unknown, "not known, the daemon does not answer");

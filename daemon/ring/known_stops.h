@@ -13,6 +13,7 @@ enum class StopState : std::uint8_t {
   told,         ///< its stop pin was pulled; its CPU runs, and does not say what it made of it
   silent,       ///< its stop pin was pulled; its CPU is silent, or its process is stopped
   booting,      ///< its stop pin was pulled while its CPU did not run; it comes up, or has come up, without the stop
+  never,        ///< its CPU was told, and is of a kind that never stops, as ring_bridge
   no_cpu,       ///< there is none that could stop
   not_reached,  ///< its stop pin was not pulled
   unknown       ///< its daemon does not answer, and no beacon of it says

@@ -16,6 +16,7 @@ namespace py = pybind11;
 void bind_messages(py::module& module);
 void bind_payload(py::module& module);
 void bind_port(py::module& module);
+void bind_joint_node(py::module& module);
 
 inline py::bytes to_bytes(const std::vector<std::uint8_t>& data) {
   return {reinterpret_cast<const char*>(data.data()), data.size()};

@@ -5,4 +5,5 @@ PYBIND11_MODULE(_client, module) {
   limb_ring::python::bind_messages(module);
   limb_ring::python::bind_payload(module);
   limb_ring::python::bind_port(module);
+  limb_ring::python::bind_joint_node(module);
 }

@@ -19,6 +19,7 @@ _NAMES_IN = {
                 'CapturedPacket', 'CaptureCounts', 'CommandSet', 'Disconnected', 'EVENT_KINDS', 'Fragmenter', 'HostPortError', 'HostPortTimeout',
                 'Interrupt', 'JointCommand', 'JointState', 'Observed', 'ObservedLost', 'Packet', 'Reassembler', 'Reply',
                 'Result', 'SensorReading'],
+    'joint_node': ['JointNode'],
     'host_port': ['HostPort', 'payload_of'],   # Packet gets its `payload` there
     'ring': ['Ring', 'RingError', 'RingTimeout', 'find_config'],
 }

@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "config/ring_config.h"
+#include "client/limb.h"
+#include "client/timestamps.h"
 #include "limb_ring/payload/joint_command.h"
-#include "tools/firmware/timestamps.h"
+#include "tools/firmware/simulated_limb.h"
 
 namespace limb_ring::firmware::bench {
 
@@ -19,22 +20,50 @@ inline Timestamps at(nanoseconds t) { return {50s + t, kWall + t.count()}; }
 
 /// A limb with a knee that holds and an ankle that damps, an IMU at 50 Hz and a force sensor at
 /// 10 Hz.
-inline config::NodeConfig leg() {
-  config::NodeConfig node;
-  node.id = 12;
-  node.name = "left_knee";
-  node.joints.resize(2);
-  node.joints[0].name = "l_knee";
-  node.joints[1].name = "l_ankle_pitch";
-  node.joints[1].safe = config::JointConfig::Safe::damp;
-  node.sensors.resize(2);
-  node.sensors[0].rate = 50;
-  node.sensors[0].priority = 1;
-  node.sensors[1].kind = config::SensorConfig::Kind::force;
-  node.sensors[1].rate = 10;
-  node.sensors[1].priority = 2;
-  return node;
+inline NodeSetup leg() {
+  NodeSetup setup;
+  setup.id = 12;
+  setup.name = "left_knee";
+  setup.command_timeout = 200ms;
+  setup.state_to = 3;
+  const NodeJoint joint{"l_knee", false, -3.14, 3.14, 6, 50, 0, false};
+  setup.joints = {joint, joint};
+  setup.joints[1].name = "l_ankle_pitch";
+  setup.joints[1].damps = true;
+  setup.sensors = {{"imu", true, 50, 1}, {"force", false, 10, 2}};
+  return setup;
 }
+
+/// One joint, simulated as limb_firmware does.
+struct SimulatedJoint {
+  explicit SimulatedJoint(bool damps) : SimulatedJoint(setup_of(damps)) {}
+
+  void command(const payload::JointCommand::Joint& joint, nanoseconds t) {
+    payload::JointCommand command;
+    command.stamp_ns = at(t).wall_ns;
+    command.valid_for_us = 100000;
+    command.joints = {joint};
+    limb.command(payload::Decoded<payload::JointCommand>(command), at(t));
+  }
+  void advance(nanoseconds t) { limb.advance(at(t).monotonic); }
+  JointGoal::State state() const { return limb.goals()[0].state; }
+  const payload::JointState::Joint& joint() const { return limb.joints()[0]; }
+
+  Limb limb;
+  SimulatedLimb servos;
+
+ private:
+  static NodeSetup setup_of(bool damps) {
+    NodeSetup setup = leg();
+    setup.joints.resize(1);
+    setup.joints[0].damps = damps;
+    setup.joints[0].initial = 0.25;
+    return setup;
+  }
+  explicit SimulatedJoint(const NodeSetup& setup) : limb(setup, true, at(0ms).monotonic), servos(setup) {
+    limb.moved_by([this](double dt, const std::vector<JointGoal>& goals) { return servos.step(dt, goals); });
+  }
+};
 
 /// Positions for the first joints, given at `t`, valid for 100 ms.
 inline payload::JointCommand positions(nanoseconds t, const std::vector<double>& values) {

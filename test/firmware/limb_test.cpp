@@ -1,5 +1,6 @@
-#include "tools/firmware/limb.h"
+#include "client/limb.h"
 
+#include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -13,11 +14,15 @@ using namespace bench;
 
 class LimbTest : public testing::Test {
  protected:
+  LimbTest() {
+    limb.moved_by([this](double dt, const std::vector<JointGoal>& goals) { return servos.step(dt, goals); });
+  }
   Verdict give(const payload::JointCommand& command, nanoseconds t) {
     return limb.command(payload::decode_joint_command(view(bytes_of(command))), at(t));
   }
 
-  Limb limb{leg(), config::Firmware{}, 200ms, at(0ms)};
+  Limb limb{leg(), true, at(0ms).monotonic};
+  SimulatedLimb servos{leg()};
 };
 
 TEST_F(LimbTest, SaysThatItIsSafeBeforeTheFirstCommand) {
@@ -109,11 +114,42 @@ TEST_F(LimbTest, CountsBytesThatAreNoCommand) {
   EXPECT_TRUE(limb.sample(at(0ms)).mode.command_refused);
 }
 
+TEST(Limb, IsMovedOncePerSampleUnlessItIsMovedAtOnce) {
+  Limb limb(leg(), false, at(0ms).monotonic);
+  std::vector<double> steps;
+  limb.moved_by([&](double dt, const std::vector<JointGoal>& goals) {
+    steps.push_back(dt);
+    return std::vector<Limb::Joint>(goals.size(), Limb::Joint{goals[0].position.value_or(7), 0, 0});
+  });
+  limb.command(payload::Decoded<payload::JointCommand>(positions(4ms, {0.5})), at(4ms));
+  EXPECT_EQ(limb.sample(at(10ms)).joints[0].position, 0.5);
+  limb.advance(at(205ms).monotonic);
+  EXPECT_EQ(limb.sample(at(210ms)).joints[0].position, 0.5) << "held where it was";
+  EXPECT_EQ(steps, (std::vector<double>{0.01, 0.2}));
+}
+
+TEST(Limb, SaysWhatIsWrongWithWhatAStepReturns) {
+  Limb limb(leg(), false, at(0ms).monotonic);
+  const auto refusal = [&](std::vector<Limb::Joint> joints, nanoseconds t) -> std::string {
+    limb.moved_by([joints](double, const std::vector<JointGoal>&) { return joints; });
+    try {
+      limb.sample(at(t));
+      return "accepted";
+    } catch (const std::logic_error& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal({{}}, 10ms),
+            "node left_knee: step() returned 1 joints, and the ring's file gives it 2; return one for each, in the "
+            "file's order");
+  EXPECT_EQ(refusal({{}, {0, std::nan(""), 0}}, 20ms), "node left_knee: step() returned NaN for joint l_ankle_pitch");
+}
+
 TEST(Limb, RefusesANodeWithMoreJointsThanAPacketCarries) {
   auto node = leg();
   node.joints.resize(39);
   try {
-    Limb limb(node, config::Firmware{}, 200ms, at(0ms));
+    Limb limb(node, true, at(0ms).monotonic);
     FAIL() << "39 joints were accepted";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "node 'left_knee' has 39 joints; one packet carries at most 38");

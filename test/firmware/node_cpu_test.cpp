@@ -1,4 +1,4 @@
-#include "tools/firmware/node_cpu.h"
+#include "client/node_cpu.h"
 
 #include <gmock/gmock.h>
 
@@ -14,14 +14,6 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::Field;
 using Outgoing = NodeCpu::Outgoing;
-
-NodeSetup setup(config::NodeConfig node) {
-  NodeSetup setup;
-  setup.node = std::move(node);
-  setup.command_timeout = 200ms;
-  setup.state_to = 3;
-  return setup;
-}
 
 Packet packet(std::uint8_t channel, Bytes data) {
   Packet packet;
@@ -39,6 +31,11 @@ limb_ring::Result ended(Outcome outcome) {
 /// A CPU whose sends are confirmed at once, stepped from deadline to deadline in virtual time.
 class NodeCpuTest : public testing::Test {
  protected:
+  NodeCpuTest() {
+    cpu.moved_by([this](double dt, const std::vector<JointGoal>& goals) { return servos.step(dt, goals); });
+    cpu.measured_by("imu", [this] { return servos.measure(true); });
+    cpu.measured_by("force", [this] { return servos.measure(false); });
+  }
   std::vector<Outgoing> run_until(nanoseconds end) {
     std::vector<Outgoing> all;
     for (auto due = cpu.due(); due && *due <= at(end).monotonic; due = cpu.due()) {
@@ -51,7 +48,8 @@ class NodeCpuTest : public testing::Test {
     return all;
   }
 
-  NodeCpu cpu{setup(leg()), at(0ms)};
+  NodeCpu cpu{leg(), true, at(0ms)};
+  SimulatedLimb servos{leg()};
   bool confirm = true;
 };
 
@@ -88,7 +86,7 @@ TEST_F(NodeCpuTest, StampsAndNumbersItsReadings) {
 }
 
 TEST_F(NodeCpuTest, ObeysACommandAndShowsTheJointsOnTheirWay) {
-  cpu.receive(packet(2, bytes_of(positions(0ms, {0.5, 0.5}))), at(0ms));
+  cpu.receive_joint_data(packet(2, bytes_of(positions(0ms, {0.5, 0.5}))), at(0ms));
   const auto all = run_until(100ms);
   double before = 0;
   for (const auto& outgoing : all) {
@@ -149,37 +147,42 @@ TEST_F(NodeCpuTest, ObeysItsOwnPartOfACommandSetAndNoOther) {
   set.stamp_ns = command.stamp_ns;
   set.valid_for_us = command.valid_for_us;
   set.parts = {{11, {{0.1, {}, {}}}}};
-  cpu.receive(packet(2, *encode(set)), at(0ms));
+  cpu.receive_joint_data(packet(2, *encode(set)), at(0ms));
   EXPECT_EQ(cpu.limb().count(Verdict::obey), 0U);
   set.parts.push_back({12, command.joints});
-  cpu.receive(packet(2, *encode(set)), at(0ms));
+  cpu.receive_joint_data(packet(2, *encode(set)), at(0ms));
   EXPECT_EQ(cpu.limb().count(Verdict::obey), 1U);
-  cpu.receive(packet(2, {5, 1}), at(0ms));
+  cpu.receive_joint_data(packet(2, {5, 1}), at(0ms));
   EXPECT_EQ(cpu.limb().count(Verdict::malformed), 1U);
   EXPECT_EQ(cpu.counters().ignored, 0U);
 }
 
-TEST_F(NodeCpuTest, TakesFaultCommandsFromUserPacketsOnly) {
-  cpu.receive(packet(4, {'h', 'a', 'n', 'g'}), at(0ms));
-  cpu.receive(packet(2, {'h', 'a', 'n', 'g'}), at(0ms));
-  EXPECT_FALSE(cpu.fault_command());
-  EXPECT_EQ(cpu.counters().ignored, 2U);
-  cpu.receive(packet(0, {'h', 'a', 'n', 'g'}), at(0ms));
-  cpu.receive(packet(0, {'?'}), at(0ms));
-  ASSERT_TRUE(cpu.fault_command());
-  EXPECT_EQ(cpu.fault_command()->kind, FaultCommand::Kind::hang);
+TEST_F(NodeCpuTest, CountsWhatIsNoJointDataAsIgnored) {
+  cpu.receive_joint_data(packet(2, {'h', 'a', 'n', 'g'}), at(0ms));
+  EXPECT_EQ(cpu.counters().ignored, 1U);
+}
+
+TEST_F(NodeCpuTest, NamesTheSensorsForOneThatIsNot) {
+  try {
+    cpu.measured_by("imus", [] { return SensorValues{}; });
+    FAIL() << "a sensor was accepted that is not in the file";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "node left_knee has no sensor 'imus' in the ring's file; it has: imu, force");
+  }
+  EXPECT_EQ(cpu.unmeasured(), "");
+  EXPECT_EQ(NodeCpu(leg(), true, at(0ms)).unmeasured(), "imu");
 }
 
 TEST_F(NodeCpuTest, SaysWhatItDidInOneLine) {
   run_until(1s);
-  cpu.receive(packet(2, bytes_of(positions(0ms, {0.5}))), at(1s));
+  cpu.receive_joint_data(packet(2, bytes_of(positions(0ms, {0.5}))), at(1s));
   EXPECT_EQ(cpu.summary(),
             "sent 160, not delivered 0, left out 0; commands: obeyed 0 expired 1; stops 0, "
             "ignored packets 0");
 }
 
 TEST(NodeCpu, WithoutJointsAndSensorsHasNothingToSay) {
-  NodeCpu cpu(setup({}), at(0ms));
+  NodeCpu cpu(NodeSetup{}, true, at(0ms));
   EXPECT_FALSE(cpu.due());
   cpu.advance(at(10s));
   EXPECT_TRUE(cpu.take_outgoing().empty());

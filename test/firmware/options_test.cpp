@@ -6,21 +6,17 @@
 
 #include <gmock/gmock.h>
 
-#include "config/config_error.h"
-#include "support/temporary_folder.h"
-#include "tools/firmware/node_setup.h"
-
 namespace limb_ring::firmware {
 namespace {
 
 using testing::HasSubstr;
 using namespace std::chrono_literals;
+using std::chrono::nanoseconds;
 
 /// Arguments and environment of one call; the environment is as it was afterwards.
 class OptionsTest : public testing::Test {
  protected:
   void SetUp() override {
-    unsetenv("LIMB_RING_CONFIG");
     unsetenv("LIMB_RING_NODE");
     unsetenv("LIMB_RING_RING");
   }
@@ -41,8 +37,7 @@ class OptionsTest : public testing::Test {
 };
 
 TEST_F(OptionsTest, ComeFromTheCommandLine) {
-  const auto options = parse({"--config", "a.yaml", "--node=left_knee", "--ring", "r", "--hang-after", "1.5"});
-  EXPECT_EQ(options.config, "a.yaml");
+  const auto options = parse({"--node=left_knee", "--ring", "r", "--hang-after", "1.5"});
   EXPECT_EQ(options.node, "left_knee");
   EXPECT_EQ(options.ring, "r");
   EXPECT_EQ(options.hang_after, nanoseconds(1500ms));
@@ -58,11 +53,9 @@ TEST_F(OptionsTest, PlantAnEndlessLoopAndLogCommands) {
 }
 
 TEST_F(OptionsTest, ElseFromTheEnvironmentThatTheDaemonGives) {
-  setenv("LIMB_RING_CONFIG", "b.yaml", 1);
   setenv("LIMB_RING_NODE", "12", 1);
   setenv("LIMB_RING_RING", "s", 1);
   const auto options = parse({"--node", "13"});
-  EXPECT_EQ(options.config, "b.yaml");
   EXPECT_EQ(options.node, "13");
   EXPECT_EQ(options.ring, "s");
   EXPECT_FALSE(options.hang_after);
@@ -81,57 +74,6 @@ TEST_F(OptionsTest, AreRefusedWithWhatWouldBeRight) {
 TEST_F(OptionsTest, NeedNoNodeForHelp) {
   EXPECT_THAT(parse({"--help"}).print, HasSubstr("--hang-after"));
   EXPECT_THAT(parse({"--version"}).print, HasSubstr("limb_firmware "));
-}
-
-class SetupTest : public OptionsTest {
- protected:
-  void SetUp() override {
-    OptionsTest::SetUp();
-    path = folder.write("ring.yaml",
-                        "ring: two\n"
-                        "timeouts: {command: 300ms}\n"
-                        "nodes:\n"
-                        "  - {id: 4, name: arm, joints: [{name: elbow}], cpu: {command: [a], alive_period: 70ms}}\n"
-                        "  - {id: 9, name: body, cpu: attached}\n");
-  }
-
-  test::TemporaryFolder folder;
-  std::string path;
-};
-
-TEST_F(SetupTest, TakesTheNodesPartOfTheFile) {
-  for (const char* node : {"arm", "4"}) {
-    const auto setup = make_setup(parse({"--config", path.c_str(), "--node", node}));
-    EXPECT_EQ(setup.ring, "two");
-    EXPECT_EQ(setup.cpu.node.id, 4);
-    EXPECT_EQ(setup.cpu.node.joints.at(0).name, "elbow");
-    EXPECT_EQ(setup.cpu.state_to, 9);
-    EXPECT_EQ(setup.cpu.command_timeout, nanoseconds(300ms));
-    EXPECT_EQ(setup.alive_period, 70ms);
-  }
-}
-
-TEST_F(SetupTest, LetsTheCommandLineNameTheRing) {
-  EXPECT_EQ(make_setup(parse({"--config", path.c_str(), "--node", "4", "--ring", "x"})).ring, "x");
-}
-
-TEST_F(SetupTest, NamesTheNodesThereAreForOneThatIsNot) {
-  try {
-    make_setup(parse({"--config", path.c_str(), "--node", "leg"}));
-    FAIL() << "an unknown node was accepted";
-  } catch (const OptionsError& error) {
-    EXPECT_EQ(error.what(), "no node 'leg' in " + path + "; it has: 4 arm, 9 body");
-  }
-}
-
-TEST_F(SetupTest, PassesOnWhatIsWrongWithTheFile) {
-  EXPECT_THROW(make_setup(parse({"--config", "/nonexistent.yaml", "--node", "4"})), config::ConfigError);
-}
-
-TEST_F(SetupTest, WithoutAFileHasNoJoints) {
-  const auto setup = make_setup(parse({"--node", "4"}));
-  EXPECT_TRUE(setup.cpu.node.joints.empty() && setup.cpu.node.sensors.empty());
-  EXPECT_GT(setup.alive_period, 0ms);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tools/firmware/periodic.h"
+#include "client/periodic.h"
 
 #include <gtest/gtest.h>
 

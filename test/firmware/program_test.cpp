@@ -17,11 +17,10 @@ std::int64_t wall_ns() { return std::chrono::nanoseconds(std::chrono::system_clo
 class ProgramTest : public HostTest {
  protected:
   ProgramTest() {
-    std::ofstream(config())
-        << "ring: r\n"
-           "nodes:\n"
-           "  - {id: 0, name: body, cpu: attached}\n"
-           "  - {id: 3, name: left_knee, cpu: {command: [limb_firmware]}, joints: [{name: l_knee}]}\n";
+    handler.when_asked = [this](const FakeHandler::Call& call) {
+      if (call.data.find("\"setup\"") == std::string::npos) return;
+      server->reply(call.client, call.token, setup());
+    };
     handler.when_sent = [this](const FakeHandler::Call& call) {
       Result delivered;
       delivered.token = call.token;
@@ -31,9 +30,14 @@ class ProgramTest : public HostTest {
     };
   }
 
-  std::string config() const { return folder.path() + "/ring.yaml"; }
+  std::string setup() const {
+    return R"({"id": 3, "name": "left_knee", "sensors": [], "bandwidth": 8, "damping": 0.9, "command_timeout_ms": 200,
+      "alive_period_ms": 0, "state_to": 0, "joints": [{"name": "l_knee", "slides": false, "lower": -3.14,
+      "upper": 3.14, "velocity": 6, "effort": 50, "initial": 0, "damps": false}], "state_rate": )" +
+           std::to_string(state_rate) + "}";
+  }
   void launch(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {LIMB_FIRMWARE, "--node", "left_knee", "--config", config()});
+    arguments.insert(arguments.begin(), {LIMB_FIRMWARE, "--node", "left_knee"});
     child = std::make_unique<Child>(std::move(arguments), folder.path() + "/stderr");
   }
   void start(std::vector<std::string> arguments = {}) {
@@ -66,6 +70,7 @@ class ProgramTest : public HostTest {
     return state ? std::optional(*state) : std::nullopt;
   }
 
+  int state_rate = 100;
   std::optional<payload::JointState> last;  ///< the last state sent
   std::unique_ptr<Child> child;
 };
@@ -93,7 +98,7 @@ TEST_F(ProgramTest, SendsItsStatesToTheBodyAtTheHighestPriorityInOrder) {
 
 // A wake-up for each command would double what a CPU costs at 1 kHz.
 TEST_F(ProgramTest, TakesACommandWithItsNextSampleIfThatIsDueSoon) {
-  std::ofstream(config(), std::ios::app) << "firmware: {state_rate: 1000}\n";
+  state_rate = 1000;
   start();
   const auto sent = handler.when_sent;
   handler.when_sent = [this, sent](const FakeHandler::Call& call) {
@@ -130,12 +135,13 @@ TEST_F(ProgramTest, RefusesAStaleCommandAndSaysSoInItsState) {
             1);
 }
 
-TEST_F(ProgramTest, ShowsAStopInItsState) {
+TEST_F(ProgramTest, ShowsAStopInItsStateAndTellsTheDaemon) {
   start();
   Interrupt stop;
   stop.action = Interrupt::Action::stop;
   ASSERT_TRUE(server->interrupt(stop));
   until([this] { return last && last->mode.stopped; });
+  EXPECT_EQ(handler.requests.back().data, R"({"do": "stop_latched", "latched": true})");
 }
 
 TEST_F(ProgramTest, EndsWithTheCodeItIsTold) {

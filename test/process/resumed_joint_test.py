@@ -21,7 +21,7 @@ class ResumedJoint(RingTest):
     def stays_after_a_resume(self, *command):
         nodes = plain_nodes(2)
         nodes[0]['cpu'] = 'attached'
-        nodes[1].update(cpu='attached', joints=[dict(name='knee', lower=-2, upper=2, velocity=4, effort=10)])
+        nodes[1].update(cpu='attached', joints=[dict(name='knee', lower=-2, upper=FAR, velocity=4, effort=10)])
         self.start_ring(nodes)
         self.start('cpu', [*command, self.ring, 'node1'])
         self.wait_cpu(1, 'running')

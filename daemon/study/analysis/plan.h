@@ -14,6 +14,7 @@ struct StreamPlan {
   std::optional<Duration> delivered;  ///< ... at the destination (a broadcast: the last one); none: no bound
   std::optional<Duration> confirmed;  ///< ... home again
   std::string why;                    ///< what the bound consists of, in words
+  bool late = false;                  ///< that is beyond the stream's deadline
   double load = 0;                    ///< share of its source's time: rate times the worst laps of a message
 };
 

@@ -108,6 +108,7 @@ void add_topics(const RingConfig& ring, std::vector<Stream>& streams) {
     streams.push_back(message(topic.input, place_of(ring, topic.from), place_of(ring, topic.to), topic.priority,
                               topic.size, topic.rate));
     streams.back().packets = fragments(topic.size);
+    streams.back().deadline = core::Duration(topic.deadline);
   }
 }
 
@@ -119,6 +120,7 @@ Stream traffic(const RingConfig& ring, const config::TrafficConfig& config) {
   stream.interrupt = config.interrupt;
   stream.jitter = config.jitter;
   stream.phase = config.phase;
+  stream.deadline = core::Duration(config.deadline);
   return stream;
 }
 
@@ -140,6 +142,8 @@ std::vector<Stream> streams_of(const RingConfig& ring) {
   add_topics(ring, streams);
   for (const config::TrafficConfig& config : ring.traffic) streams.push_back(traffic(ring, config));
   add_beacons(ring, streams);
+  for (Stream& stream : streams)
+    if (stream.deadline == Duration{0}) stream.deadline = stream.period;
   return streams;
 }
 

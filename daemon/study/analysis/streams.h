@@ -26,6 +26,7 @@ struct Stream {
   std::optional<std::uint8_t> interrupt;  ///< factor 0 to 7
   Duration period{0};
   Duration jitter{0};             ///< asked for up to so much later than the period says
+  Duration deadline{0};           ///< delivered later than so long after it was asked for, it is late
   std::optional<Duration> phase;  ///< first message so long after the start; none: any
 
   double rate() const { return 1e12 / static_cast<double>(period.count()); }  ///< Hz

@@ -1,41 +1,101 @@
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <iostream>
+#include <memory>
+
+#include <unistd.h>
 
 #include "io/standard_descriptors.h"
+#include "limb_ring/joint_node.h"
+#include "limb_ring/payload/packet_type.h"
 #include "tools/cli/output.h"
-#include "tools/firmware/cpu_loop.h"
-#include "tools/firmware/node_setup.h"
+#include "tools/firmware/fault_command.h"
 #include "tools/firmware/options.h"
+#include "tools/firmware/simulated_limb.h"
 #include "tools/firmware/stop_signal.h"
 
 namespace {
 
 using namespace limb_ring;
+using firmware::FaultCommand;
+using firmware::Options;
 
 int fail(const std::exception& error, int code) {
   std::fprintf(stderr, "limb_firmware: %s\n", error.what());
   return code;
 }
 
-HostPort connect(const firmware::Options& options, const firmware::ProgramSetup& setup) {
-  ConnectOptions connection;
-  connection.ring = setup.ring;
-  connection.node = options.node;
-  connection.role = Role::cpu;
-  connection.alive_period = setup.alive_period;
-  connection.results_may_wait = true;  // they are counted, no more
-  return HostPort::connect(connection);
+void say(JointNode& node, const std::string& what) {
+  std::fprintf(stderr, "limb_firmware %s: %s\n", node.port().name().c_str(), what.c_str());
 }
 
-int run_cpu(const firmware::Options& options) {
-  const auto setup = firmware::make_setup(options);
-  HostPort port = connect(options, setup);
+std::string with_pid(const char* what) { return std::string(what) + " (pid " + std::to_string(::getpid()) + ')'; }
+
+void hang(JointNode& node) {
+  say(node, with_pid("hangs on purpose"));
+  firmware::hang();
+}
+
+bool obey(JointNode& node, const FaultCommand& order) {
+  if (order.kind == FaultCommand::Kind::hang) hang(node);
+  say(node, "ends on purpose with code " + std::to_string(order.code));
+  node.end(order.code);
+  return true;
+}
+
+/// What a user asks of it beside its work.
+void add_faults(JointNode& node, const Options& options) {
+  node.on_packet([&node](const Packet& packet) {
+    const auto order =
+        packet.channel == payload::kUserChannel ? firmware::parse_fault_command(packet.data) : std::nullopt;
+    return order && obey(node, *order);
+  });
+  if (options.hang_after) node.at(node.port().now() + *options.hang_after, [&node] { hang(node); });
+  if (options.endless_loop_at && !node.port().in_lockstep())
+    throw std::runtime_error("--endless-loop-at is an instant of a virtual ring's clock (ringctl up --clock virtual)");
+  if (options.endless_loop_at > node.port().now())
+    node.at(*options.endless_loop_at, [&node] {
+      say(node, with_pid("is caught in an endless loop on purpose"));
+      firmware::loop_endlessly();
+    });
+}
+
+/// For measurements: a line for each joint command that was obeyed, "CAME STAMP", both in ns of the clock of stamps. A
+/// process that takes over after a reset goes on with the file.
+void log_commands(JointNode& node, const std::string& path) {
+  auto file = std::make_shared<std::ofstream>(path, std::ios::app);
+  if (!*file) throw std::runtime_error("--command-log: " + path + " cannot be written");
+  node.on_command([&node, file](const payload::JointCommand& command) {
+    *file << node.port().stamp().count() << ' ' << command.stamp_ns << std::endl;  // at once: a reset kills
+  });
+}
+
+void add_sensor(JointNode& node, const NodeSensor& sensor, const firmware::SimulatedLimb& limb) {
+  if (sensor.csv.empty()) return node.on_sensor(sensor.name, [&limb, imu = sensor.imu] { return limb.measure(imu); });
+  const auto recorded = std::make_shared<firmware::RecordedSensor>(sensor.csv);
+  node.on_sensor(sensor.name, [&node, recorded, start = node.port().now()] {
+    return recorded->at(std::chrono::duration<double>(node.port().now() - start).count());
+  });
+}
+
+int run_cpu(const Options& options) {
+  JointNode::Options connection;
+  connection.ring = options.ring;
+  connection.node = options.node;
+  connection.at_once = true;
+  JointNode node = JointNode::connect(connection);
   firmware::catch_stop_signals();
-  firmware::NodeCpu cpu(setup.cpu, firmware::read_clocks(port));
-  const int code =
-      firmware::run(port, cpu, setup.alive_period, {options.hang_after, options.endless_loop_at, options.command_log});
-  std::fprintf(stderr, "limb_firmware %s: %s\n", port.name().c_str(), cpu.summary().c_str());
+  node.meanwhile([&node] {
+    if (firmware::stop_requested()) node.end(0);
+  });
+  firmware::SimulatedLimb limb(node.setup());
+  node.on_step([&](double dt, const std::vector<JointGoal>& goals) { return limb.step(dt, goals); });
+  for (const NodeSensor& sensor : node.setup().sensors) add_sensor(node, sensor, limb);
+  add_faults(node, options);
+  if (!options.command_log.empty()) log_commands(node, options.command_log);
+  const int code = node.run();
+  say(node, node.summary());
   return code;
 }
 

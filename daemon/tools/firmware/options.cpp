@@ -30,9 +30,7 @@ Options parse_options(int argc, const char* const* argv) {
   Options options;
   double hang_after_s = 0, endless_loop_at_s = 0;
   CLI::App app("The CPU of a limb node, with simulated joints.", "limb_firmware");
-  app.footer(cli::footer(kOnPurpose, "limb_firmware --config leg8.yaml --node left_knee", kExitCodes));
-  app.add_option("--config", options.config, "YAML of the ring; without one there are no joints")
-      ->envname("LIMB_RING_CONFIG");
+  app.footer(cli::footer(kOnPurpose, "limb_firmware --ring leg8 --node left_knee", kExitCodes));
   app.add_option("--node", options.node, "The node this is the CPU of, id or name")->envname("LIMB_RING_NODE");
   app.add_option("--ring", options.ring, "Name of the ring, if several run")->envname("LIMB_RING_RING");
   const CLI::Option* hang = app.add_option("--hang-after", hang_after_s,

@@ -80,9 +80,11 @@ std::string assumed_words(const study::Medium& medium) {
 }
 
 std::string text_of(const PlanReport& report, const PlanOptions& options) {
-  std::string text = app::format_rows(stream_rows(report, false), app::Format::text);
-  text += "\n" + app::format_rows(node_rows(report), app::Format::text) + "\n";
-  text += "Worst cases in us, from the CPU's request for a message until all of it is delivered, and confirmed.\n";
+  std::string text = app::format_rows(short_stream_rows(report), app::Format::text);
+  text += "\n" + app::format_rows(short_node_rows(report), app::Format::text) + "\n";
+  text +=
+      "Bounds are the worst cases from the CPU's request for a message until all of it is delivered. --format json\n"
+      "says more of each stream: from, to, rate, load, when it is confirmed, and what its bound consists of.\n";
   if (report.assumed) text += assumed_words(options.medium);
   text += study::expected_words(report.ring);
   if (!report.runs.empty()) text += simulated_words(report, options.duration);
@@ -93,7 +95,7 @@ int run(const PlanOptions& options) {
   const PlanReport report = make_report(options);
   if (options.format == app::Format::text) std::cout << text_of(report, options);
   if (options.format == app::Format::json) std::cout << plan_object(report).dump(2) << '\n';
-  if (options.format == app::Format::csv) std::cout << app::format_rows(stream_rows(report, true), options.format);
+  if (options.format == app::Format::csv) std::cout << app::format_rows(stream_rows(report), options.format);
   return report.plan.carried() && report.kept() ? kDone : kBroken;
 }
 

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "config/quantity.h"
 #include "study/analysis/expected_losses.h"
+#include "tools/common/text_table.h"
 
 namespace limb_ring::ring_sim {
 
@@ -46,20 +48,20 @@ void add_latencies(Row& row, const std::string& name, const Latencies& latencies
   row[name + "_max_us"] = us(latencies, latencies.max());
 }
 
-void add_run(Row& row, const StreamPlan& plan, const StreamRun& run, bool all) {
+const char* verdict_of(const StreamPlan& plan) {
+  if (!plan.delivered) return "no bound";
+  return plan.late ? "late" : "in time";
+}
+
+void add_run(Row& row, const StreamPlan& plan, const StreamRun& run) {
   row["asked"] = run.asked;
-  if (all) {
-    add_latencies(row, "delivered", run.delivered);
-    add_latencies(row, "confirmed", run.confirmed);
-  } else {
-    row["delivered_max"] = largest(run.delivered);
-    row["confirmed_max"] = largest(run.confirmed);
-  }
+  add_latencies(row, "delivered", run.delivered);
+  add_latencies(row, "confirmed", run.confirmed);
   row["failed"] = run.failed();
   row["kept"] = study::kept(plan, run);
 }
 
-Row stream_row(const PlanReport& report, std::size_t s, bool all) {
+Row stream_row(const PlanReport& report, std::size_t s) {
   const Stream& stream = report.streams[s];
   const StreamPlan& plan = report.plan.streams[s];
   Row row{{"stream", stream.name},
@@ -69,11 +71,32 @@ Row stream_row(const PlanReport& report, std::size_t s, bool all) {
           {"bytes", stream.bytes},
           {"packets", stream.packets.size()},
           {"rate_hz", stream.rate()},
+          {"period_us", study::microseconds(stream.period)},
+          {"deadline_us", study::microseconds(stream.deadline)},
           {"load_percent", percent(plan.load)},
-          {all ? "delivered_bound_us" : "delivered", us(plan.delivered)},
-          {all ? "confirmed_bound_us" : "confirmed", us(plan.confirmed)}};
-  if (!report.runs.empty()) add_run(row, plan, report.runs[s], all);
+          {"delivered_bound_us", us(plan.delivered)},
+          {"confirmed_bound_us", us(plan.confirmed)},
+          {"verdict", verdict_of(plan)}};
+  if (!report.runs.empty()) add_run(row, plan, report.runs[s]);
   row["bound"] = plan.why;
+  return row;
+}
+
+/// For 80 columns: names are cut, and times are whole us, rounded up where a bound is.
+constexpr std::size_t kNameWidth = 22;
+
+Row whole_us(const std::optional<Duration>& time) {
+  return time ? Row(std::ceil(study::microseconds(*time))) : Row(nullptr);
+}
+
+Row short_row(const PlanReport& report, std::size_t s, const std::string& name) {
+  const Stream& stream = report.streams[s];
+  Row row{{"stream", app::shortened(name, kNameWidth)}, {"prio", urgency(stream)}, {"bytes", stream.bytes}};
+  if (report.runs.empty()) row["period_us"] = whole_us(stream.period);
+  row["deadline_us"] = whole_us(stream.deadline);
+  row["bound_us"] = whole_us(report.plan.streams[s].delivered);
+  if (!report.runs.empty()) row["measured"] = largest(report.runs[s].delivered);
+  row["verdict"] = verdict_of(report.plan.streams[s]);
   return row;
 }
 
@@ -85,9 +108,42 @@ bool PlanReport::kept() const {
   return true;
 }
 
-std::vector<Row> stream_rows(const PlanReport& report, bool all) {
+std::vector<Row> stream_rows(const PlanReport& report) {
   std::vector<Row> rows;
-  for (std::size_t s = 0; s < report.streams.size(); ++s) rows.push_back(stream_row(report, s, all));
+  for (std::size_t s = 0; s < report.streams.size(); ++s) rows.push_back(stream_row(report, s));
+  return rows;
+}
+
+std::vector<Row> short_stream_rows(const PlanReport& report) {
+  std::vector<Row> rows;
+  std::optional<std::size_t> beacon;  // that with the largest bound stands for all
+  std::size_t beacons = 0;
+  for (std::size_t s = 0; s < report.streams.size(); ++s) {
+    if (!report.streams[s].beacon) {
+      rows.push_back(short_row(report, s, report.streams[s].name));
+      continue;
+    }
+    ++beacons;
+    const auto& bound = report.plan.streams[s].delivered;
+    if (!beacon || !bound ||
+        (report.plan.streams[*beacon].delivered && *bound > *report.plan.streams[*beacon].delivered))
+      beacon = s;
+  }
+  if (beacon) rows.push_back(short_row(report, *beacon, "beacons of " + std::to_string(beacons) + " nodes"));
+  return rows;
+}
+
+std::vector<Row> short_node_rows(const PlanReport& report) {
+  std::vector<Row> rows;
+  for (const Row& row : node_rows(report))
+    rows.push_back({{"node", app::shortened(row["node"], 18)},
+                    {"data_%", row["data_percent"]},
+                    {"intr_%", row["interrupts_percent"]},
+                    {"waiting_B", row["waiting_bytes"]},
+                    {"line_%", row["line_in_percent"]},
+                    {"line_rate", config::format_rate(row["line_in_bit_s"])},
+                    {"delay_us", row["line_in_delay_us"]},
+                    {"loss", row["line_in_loss"]}});
   return rows;
 }
 
@@ -124,7 +180,7 @@ Row plan_object(const PlanReport& report) {
                                  {"tries", losses->tries},
                                  {"try_timeout_us", study::microseconds(losses->timeout)}};
   object["nodes"] = node_rows(report);
-  object["streams"] = stream_rows(report, true);
+  object["streams"] = stream_rows(report);
   return object;
 }
 

@@ -19,9 +19,12 @@ struct PlanReport {
   bool kept() const;
 };
 
-/// A row for each stream: a few columns for people, all for programs. Times in us.
-std::vector<app::Row> stream_rows(const PlanReport& report, bool all);
+/// A row for each stream, for programs. Times in us.
+std::vector<app::Row> stream_rows(const PlanReport& report);
 std::vector<app::Row> node_rows(const PlanReport& report);
+/// The same for people: what fits into 80 columns, with one row for all beacons.
+std::vector<app::Row> short_stream_rows(const PlanReport& report);
+std::vector<app::Row> short_node_rows(const PlanReport& report);
 /// Everything, for programs.
 app::Row plan_object(const PlanReport& report);
 

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,7 @@ class PlanCommand : public test::OwnFolder {
 TEST_F(PlanCommand, SaysWhatIsAssumedAndThatTheRingCarriesIt) {
   const CliRun said = plan({two_nodes("size: 61440, rate: 30")});
   EXPECT_EQ(said.code, kDone);
-  EXPECT_THAT(said.out, AllOf(HasSubstr("camera"), HasSubstr("beacon of body"), HasSubstr("The ring carries this."),
+  EXPECT_THAT(said.out, AllOf(HasSubstr("camera"), HasSubstr("beacons of 2 nodes"), HasSubstr("The ring carries this."),
                               HasSubstr("Assumed for lines without a rate: 1Gbit/s, relay delay 512ns.")));
 }
 
@@ -48,11 +49,32 @@ TEST_F(PlanCommand, SaysWhyTheRingDoesNotCarryIt) {
                               HasSubstr("100Mbit/s")));
 }
 
+TEST_F(PlanCommand, CallsLateWhatMayComeBehindItsDeadline) {
+  const CliRun said = plan({two_nodes("size: 61440, rate: 30, deadline: 1ms")});
+  EXPECT_EQ(said.code, kBroken);
+  EXPECT_THAT(said.out,
+              AllOf(HasSubstr("1000"), HasSubstr("late"), HasSubstr("'camera' is late: delivered after up to "),
+                    HasSubstr(", and its deadline is 1000.000 us")));
+  EXPECT_EQ(plan({two_nodes("size: 61440, rate: 30, deadline: 33ms")}).code, kDone);
+}
+
+TEST_F(PlanCommand, FitsInto80ColumnsWhateverTheNames) {
+  const std::string file =
+      write("long.yaml",
+            "ring: two\nnodes: [{id: 9, name: head_with_a_name_of_32_characters}, {id: 4, name: body}]\n"
+            "traffic: [{name: a_camera_of_which_the_name_is_long_too, from: 9, to: body, size: "
+            "30000000, rate: 0.001, deadline: 1000s}]\n");
+  for (const CliRun& said : {plan({file}), plan({file, "--simulate", "10ms"})}) {
+    std::istringstream lines(said.out);
+    for (std::string line; std::getline(lines, line) && !line.empty();) EXPECT_LE(line.size(), 80u) << line;
+  }
+}
+
 TEST_F(PlanCommand, SetsWhatWasMeasuredBesideTheBounds) {
   const std::string file = two_nodes("size: 61440, rate: 30");
   const CliRun said = plan({file, "--simulate", "100ms", "--seed", "7"});
   EXPECT_EQ(said.code, kDone);
-  EXPECT_THAT(said.out, AllOf(HasSubstr("confirmed_max"), HasSubstr("Simulated 100ms with seed 7"),
+  EXPECT_THAT(said.out, AllOf(HasSubstr("measured"), HasSubstr("Simulated 100ms with seed 7"),
                               HasSubstr("Every message that has a bound came within it.")));
   EXPECT_EQ(plan({file, "--simulate", "100ms", "--seed", "7"}).out, said.out);
   EXPECT_THAT(plan({file, "--simulate"}).out, HasSubstr("Simulated 1s with seed 1"));

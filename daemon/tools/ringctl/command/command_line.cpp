@@ -40,6 +40,8 @@ void require_no_ring(const Context& context, const std::string& why) {
 namespace {
 
 void add_commands(CLI::App& app, Context& context) {
+  add_new(app, context);
+  add_check(app, context);
   add_up(app, context);
   add_down(app, context);
   add_list(app, context);

@@ -33,6 +33,8 @@ void add_json(CLI::App& command, bool& json);
 void require_no_ring(const Context& context, const std::string& why);
 
 // One subcommand each, in a file of its name.
+void add_new(CLI::App& app, Context& context);
+void add_check(CLI::App& app, Context& context);
 void add_up(CLI::App& app, Context& context);
 void add_down(CLI::App& app, Context& context);
 void add_list(CLI::App& app, Context& context);

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "client/timestamps.h"
 #include "limb_ring/payload/joint_command.h"
-#include "tools/firmware/timestamps.h"
 #include "io/wall_clock.h"
 
 namespace limb_ring::firmware {

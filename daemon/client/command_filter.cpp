@@ -1,4 +1,4 @@
-#include "tools/firmware/command_filter.h"
+#include "client/command_filter.h"
 
 namespace limb_ring::firmware {
 

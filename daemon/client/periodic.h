@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "tools/firmware/timestamps.h"
+#include "client/timestamps.h"
 
 namespace limb_ring::firmware {
 

@@ -1,9 +1,10 @@
-#include "tools/firmware/node_cpu.h"
+#include "client/node_cpu.h"
 
 #include <algorithm>
 #include <sstream>
+#include <stdexcept>
 
-#include "tools/firmware/command_for.h"
+#include "client/command_for.h"
 
 namespace limb_ring::firmware {
 namespace {
@@ -20,26 +21,41 @@ Timestamps at(nanoseconds monotonic, const Timestamps& now) {
 
 }  // namespace
 
-NodeCpu::NodeCpu(const NodeSetup& setup, const Timestamps& now)
-    : node_(setup.node.id), limb_(setup.node, setup.firmware, setup.command_timeout, now), state_to_(setup.state_to) {
-  if (!setup.node.joints.empty()) states_.emplace(setup.firmware.state_rate, now.monotonic);
-  for (const auto& sensor : setup.node.sensors)
-    sensors_.emplace_back(sensor, static_cast<std::uint8_t>(sensors_.size()), now.monotonic);
+NodeCpu::NodeCpu(NodeSetup setup, bool at_once, const Timestamps& now)
+    : setup_(std::move(setup)), limb_(setup_, at_once, now.monotonic) {
+  if (!setup_.joints.empty()) states_.emplace(setup_.state_rate, now.monotonic);
+  for (const NodeSensor& sensor : setup_.sensors) {
+    payload::SensorReading reading;
+    reading.kind = sensor.imu ? payload::SensorReading::Kind::imu : payload::SensorReading::Kind::force;
+    reading.sensor = static_cast<std::uint8_t>(sensors_.size());
+    sensors_.push_back(
+        {reading, static_cast<std::uint8_t>(sensor.priority), Periodic(sensor.rate, now.monotonic), nullptr});
+  }
 }
 
-void NodeCpu::receive(const Packet& packet, const Timestamps& now) {
-  if (packet.channel == payload::kJointChannel) {
-    if (const auto command = command_for(node_, packet.data))
-      limb_.command(*command, now);
-    else if (!payload::is_type(packet.data, payload::PacketType::command_set))
-      ++counters_.ignored;
+void NodeCpu::measured_by(const std::string& name, std::function<SensorValues()> measure) {
+  std::string names;
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    names += (names.empty() ? "" : ", ") + setup_.sensors[i].name;
+    if (setup_.sensors[i].name != name) continue;
+    sensors_[i].measure = std::move(measure);
     return;
   }
-  const auto order = packet.channel == payload::kUserChannel ? parse_fault_command(packet.data) : std::nullopt;
-  if (!order)
-    ++counters_.ignored;
-  else if (!fault_command_)
-    fault_command_ = order;
+  throw std::invalid_argument("node " + setup_.name + " has no sensor '" + name +
+                              "' in the ring's file; it has: " + (names.empty() ? "none" : names));
+}
+
+std::string NodeCpu::unmeasured() const {
+  for (std::size_t i = 0; i < sensors_.size(); ++i)
+    if (!sensors_[i].measure) return setup_.sensors[i].name;
+  return {};
+}
+
+std::optional<payload::JointCommand> NodeCpu::receive_joint_data(const Packet& packet, const Timestamps& now) {
+  const auto command = command_for(setup_.id, packet.data);
+  if (command && limb_.command(*command, now) == Verdict::obey) return **command;
+  if (!command && !payload::is_type(packet.data, payload::PacketType::command_set)) ignore();
+  return std::nullopt;
 }
 
 void NodeCpu::receive(const Interrupt& interrupt, const Timestamps& now) {
@@ -73,13 +89,23 @@ void NodeCpu::sample_states(const Timestamps& now) {
   }
 }
 
-void NodeCpu::sample(SimulatedSensor& sensor, const Timestamps& now) {
-  while (const auto due = sensor.take(now.monotonic)) {
-    sensor.leave_out(due->left_out);
-    if (may_send())
-      send(payload::encode(sensor.sample(limb_, at(due->at, now))), sensor.priority());
-    else
-      sensor.leave_out(1);
+void NodeCpu::sample(Sensor& sensor, const Timestamps& now) {
+  const auto leave_out = [&](std::uint64_t samples) {
+    sensor.next.sequence = static_cast<std::uint16_t>(sensor.next.sequence + samples);
+  };
+  while (const auto due = sensor.periodic.take(now.monotonic)) {
+    leave_out(due->left_out);
+    if (!sensor.measure || !may_send()) {
+      leave_out(1);
+      continue;
+    }
+    const SensorValues values = sensor.measure();
+    payload::SensorReading reading = sensor.next;
+    reading.stamp_ns = at(due->at, now).wall_ns;
+    reading.linear = values.linear;
+    reading.angular = values.angular;
+    leave_out(1);  // its number is used
+    send(payload::encode(reading), sensor.priority);
   }
 }
 
@@ -96,7 +122,7 @@ void NodeCpu::send(const payload::Encoded& bytes, std::uint8_t priority) {
   }
   ++without_result_;
   ++counters_.sent;
-  outgoing_.push_back({state_to_, priority, payload::kJointChannel, *bytes});
+  outgoing_.push_back({setup_.state_to, priority, payload::kJointChannel, *bytes});
 }
 
 std::vector<NodeCpu::Outgoing> NodeCpu::take_outgoing() {
@@ -108,13 +134,14 @@ std::vector<NodeCpu::Outgoing> NodeCpu::take_outgoing() {
 std::optional<nanoseconds> NodeCpu::due() const {
   std::optional<nanoseconds> earliest;
   if (states_) earliest = states_->due();
-  for (const auto& sensor : sensors_) earliest = earliest ? std::min(*earliest, sensor.due()) : sensor.due();
+  for (const auto& sensor : sensors_)
+    earliest = earliest ? std::min(*earliest, sensor.periodic.due()) : sensor.periodic.due();
   return earliest;
 }
 
 std::uint64_t NodeCpu::left_out() const {
   std::uint64_t sum = counters_.skipped + (states_ ? states_->left_out() : 0);
-  for (const auto& sensor : sensors_) sum += sensor.left_out();
+  for (const auto& sensor : sensors_) sum += sensor.periodic.left_out();
   return sum;
 }
 

@@ -1,29 +1,21 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "client/limb.h"
+#include "client/periodic.h"
 #include "limb_ring/host_port.h"
-#include "tools/firmware/fault_command.h"
-#include "tools/firmware/limb.h"
-#include "tools/firmware/periodic.h"
-#include "tools/firmware/simulated_sensor.h"
+#include "limb_ring/payload/sensor_reading.h"
 
 namespace limb_ring::firmware {
 
-/// What the CPU of one node is made of.
-struct NodeSetup {
-  config::NodeConfig node;
-  config::Firmware firmware;
-  nanoseconds command_timeout{0};
-  std::uint8_t state_to = 0;  ///< destination of states and readings
-};
-
 /// The firmware without its IO: packets, interrupts and time go in, packets come out.
 ///
-/// States go out at priority 0 and firmware.state_rate, readings at the rate and priority of
+/// States go out at priority 0 and state_rate, readings at the rate and priority of
 /// their sensor, all on channel 2. A sample of either kind is left out, and counted, while 64
 /// packets are without a result: fresh values are worth more than old ones in a queue. What is left
 /// out is missing in the sequence numbers.
@@ -45,41 +37,54 @@ class NodeCpu {
     std::uint64_t notifies = 0;
   };
 
+  /// @param at_once as Limb
   /// @throw std::invalid_argument where the node has more joints than one packet carries
-  NodeCpu(const NodeSetup& setup, const Timestamps& now);
+  NodeCpu(NodeSetup setup, bool at_once, const Timestamps& now);
 
-  void receive(const Packet& packet, const Timestamps& now);
+  void moved_by(JointNode::Step step) { limb_.moved_by(std::move(step)); }
+  /// @throw std::invalid_argument naming the sensors, where there is none of that name
+  void measured_by(const std::string& sensor, std::function<SensorValues()> measure);
+  /// The first sensor that nobody measures; empty: none.
+  std::string unmeasured() const;
+
+  /// @return the command that was obeyed; nothing where none was
+  std::optional<payload::JointCommand> receive_joint_data(const Packet& packet, const Timestamps& now);
+  /// A packet that is nothing for this CPU.
+  void ignore() { ++counters_.ignored; }
   void receive(const Interrupt& interrupt, const Timestamps& now);
   void receive(const limb_ring::Result& result);
-  /// Simulates up to `now` and samples what is due.
+  /// Goes on up to `now` and samples what is due.
   void advance(const Timestamps& now);
   /// What is to be sent; each of them gives one Result later.
   std::vector<Outgoing> take_outgoing();
   /// When advance() is to be called next, at the latest; nothing where never.
   std::optional<nanoseconds> due() const;
 
-  const std::optional<FaultCommand>& fault_command() const { return fault_command_; }
-  std::uint8_t node() const { return node_; }  ///< its id
+  const NodeSetup& setup() const { return setup_; }
   const Limb& limb() const { return limb_; }
   const Counters& counters() const { return counters_; }
   /// One line for people.
   std::string summary() const;
 
  private:
+  struct Sensor {
+    payload::SensorReading next;  ///< without its values
+    std::uint8_t priority;
+    Periodic periodic;
+    std::function<SensorValues()> measure;
+  };
   void sample_states(const Timestamps& now);
-  void sample(SimulatedSensor& sensor, const Timestamps& now);
+  void sample(Sensor& sensor, const Timestamps& now);
   bool may_send();
   void send(const payload::Encoded& bytes, std::uint8_t priority);
   std::uint64_t left_out() const;
 
-  std::uint8_t node_;  ///< id
+  NodeSetup setup_;
   Limb limb_;
-  std::uint8_t state_to_;
   std::optional<Periodic> states_;  // none without joints
-  std::vector<SimulatedSensor> sensors_;
+  std::vector<Sensor> sensors_;
   std::vector<Outgoing> outgoing_;
   std::size_t without_result_ = 0;
-  std::optional<FaultCommand> fault_command_;
   Counters counters_;
 };
 
