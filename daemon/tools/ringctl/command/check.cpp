@@ -84,10 +84,9 @@ int check(const std::vector<std::string>& files) {
 
 void add_check(CLI::App& app, Context& context) {
   auto files = std::make_shared<std::vector<std::string>>();
-  CLI::App* command =
-      add_command(app, "check",
-                  "Check files without starting anything: a ring's, a scenario's or a URDF. All that is "
-                  "wrong is said at once; what cannot be carried in time, 'ring_sim plan' says");
+  CLI::App* command = add_command(
+      app, "check", "Check files of rings, scenarios and robots", "ringctl check leg8.yaml",
+      "Starts nothing. Says all that is wrong at once. What cannot be carried in time, 'ring_sim plan' says.");
   command->add_option("FILE", *files, "YAML of a ring or scenario, the name of a ring such as leg8, or a URDF")
       ->required();
   command->callback([&context, files] { context.action = [files] { return check(*files); }; });

@@ -25,11 +25,11 @@ int run_kit(const Context& context) {
 }  // namespace
 
 void add_conform(CLI::App& app, Context& context) {
-  CLI::App* command = add_command(
-      app, "conform",
-      "Is a node of another make as docs/protocol.md says? Plays all its neighbours, and gives a verdict for each "
-      "rule. "
-      "All that stands behind it goes to the kit: 'ringctl conform --usage' prints its options, --list its cases");
+  CLI::App* command =
+      add_command(app, "conform", "Test a node of another make against docs/protocol.md", "ringctl conform --list",
+                  "Plays all neighbours of that node, and gives a verdict for each rule. All that stands behind it "
+                  "goes to the kit: "
+                  "'ringctl conform --usage' prints its options, --list its cases.");
   command->fallthrough(false);
   command->prefix_command();
   command->callback([&context] { context.action = [&context] { return run_kit(context); }; });

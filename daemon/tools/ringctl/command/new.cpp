@@ -271,9 +271,10 @@ int make(const NewOptions& options) {
 
 void add_new(CLI::App& app, Context& context) {
   auto options = std::make_shared<NewOptions>();
-  CLI::App* command = add_command(app, "new",
-                                  "Write a ring's file for a robot: nodes along its kinematic chains, named after its "
-                                  "links, with limb_firmware as their CPUs; or a catkin package around it");
+  CLI::App* command =
+      add_command(app, "new", "Write a ring's file, or a package, for a robot", "ringctl new robot.urdf",
+                  "Nodes stand along its kinematic chains and are named after its links; limb_firmware "
+                  "is their CPU. With --package a catkin package is written around it.");
   command->add_option("ROBOT.urdf", options->urdf, "The robot's description; limits are read from it")->required();
   command->add_option("-o,--output", options->file, "The file to write; default: NAME.yaml in this folder");
   command->add_option("--name", options->name, "Name of the ring; default: the robot's");

@@ -22,7 +22,8 @@ std::string page_folder() {
 
 void add_view(CLI::App& app, Context& context) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = add_command(app, "view", "Serve a page that shows the ring in a browser, until interrupted");
+  CLI::App* command = add_command(app, "view", "Show the ring in a browser, until Ctrl-C",
+                                  "ringctl view leg8 --control", "Serves one page, and prints its address.");
   command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   command->add_flag("--control", options->control,
                     "The page may also break, mend, reset and stop, and set the pace of a virtual ring");
