@@ -103,7 +103,7 @@ function ovalLayout(count, width) {
 
 function rowsLayout(count, width) {
   const small = count > 64;
-  const [boxWidth, boxHeight] = small ? [84, 32] : [100, 42], [gapX, gapY] = small ? [12, 10] : [30, 26], margin = 26;
+  const [boxWidth, boxHeight] = small ? [84, 32] : [108, 42], [gapX, gapY] = small ? [12, 10] : [26, 26], margin = 26;
   const columns = Math.max(1, Math.min(count, Math.floor((width - 2 * margin + gapX) / (boxWidth + gapX))));
   const rows = Math.ceil(count / columns);
   const nodes = [...Array(count).keys()].map((i) => {

@@ -17,23 +17,23 @@ const headline = (text) => page.locator('#headline', { hasText: text }).waitFor(
 const all = {
   async cut_and_mend() {
     await headline('5 of 5 nodes up');
-    await node('n1').focus();
+    await node('node1').focus();
     await page.keyboard.press('ArrowRight');
     await page.keyboard.press('Enter');
-    await page.locator('#details h2', { hasText: 'n2' }).waitFor();
-    await page.locator('#details button', { hasText: 'Cut line to n3' }).click();
+    await page.locator('#details h2', { hasText: 'node2' }).waitFor();
+    await page.locator('#details button', { hasText: 'Cut line to node3' }).click();
     await page.locator('svg .break.seen text', { hasText: 'cut' }).waitFor();
     await headline(/open chain|broken/i);
     await page.locator('#events li', { hasText: 'open_chain' }).first().waitFor();
-    await page.locator('#details button', { hasText: 'Mend line to n3' }).click();
+    await page.locator('#details button', { hasText: 'Mend line to node3' }).click();
     await headline('5 of 5 nodes up');
     await page.locator('svg .break.seen').waitFor({ state: 'detached' });
     assert.equal(await page.locator('svg .node.good').count(), 5);
   },
   async read_only() {
     await headline('5 of 5 nodes up');
-    await node('n1').click();
-    await page.locator('#details h2', { hasText: 'n1' }).waitFor();
+    await node('node1').click();
+    await page.locator('#details h2', { hasText: 'node1' }).waitFor();
     assert.equal(await page.locator('#details button').count(), 0);
     assert.equal(await page.locator('#orders').isVisible(), false);
   },

@@ -46,6 +46,7 @@ constexpr std::uint32_t kHeaderBytes = 8192;       ///< of a request
 constexpr std::uint64_t kBodyBytes = 4096;         ///< of a request
 constexpr std::size_t kConnections = 64;           ///< at a time
 constexpr std::size_t kStreams = 16;               ///< pages that look, at a time
+constexpr int kSystemBytes = 65536;                ///< of that, in the system
 constexpr std::size_t kQueuedBytes = 8 << 20;      ///< that wait for one page; more, and it is dropped
 constexpr std::size_t kOrders = 4;                 ///< at a time
 constexpr std::size_t kOutputBytes = 16384;        ///< of an order, shown
@@ -151,6 +152,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
       : socket_(std::move(socket)), gone_(std::move(gone)) {}
 
   void start(const std::vector<Text>& first) {
+    error_code ignored;
+    socket_.socket().set_option(asio::socket_base::send_buffer_size(kSystemBytes), ignored);
     static const Text head = std::make_shared<const std::string>(
         "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\nConnection: close\r\n"
         "X-Content-Type-Options: nosniff\r\n\r\nretry: 1000\n\n");
