@@ -118,6 +118,7 @@ const take = {
     else details();
   },
   status(message) {
+    if (!page.ring) return;
     page.status = message;
     say(by('headline'), message.headline.replace(/; virtual clock.*/, ''));
     say(by('report'), message.report);
@@ -127,11 +128,13 @@ const take = {
     details();
   },
   happened(message) {
+    if (!page.ring) return;
     const node = message.node != null ? nameOf(message.node) + ': ' : '';
     by('events').prepend(element('li', {}, `${timeText(message.time_ns)}  ${node}${message.text}`));
     while (by('events').children.length > most_events) by('events').lastChild.remove();
   },
   packets(message) {
+    if (!page.ring) return;
     strip.add(message);
     graphs.add(message);
   },

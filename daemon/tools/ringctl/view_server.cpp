@@ -328,7 +328,7 @@ class Server {
     streams_.erase(stream);
     if (!streams_.empty()) return;
     ring_->look(false);
-    newest_.clear();
+    newest_.erase("status");  // the ring itself is told once, and is as it was
   }
 
   void order(const HttpRequest& request, const Respond& answer) {
