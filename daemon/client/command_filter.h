@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "client/timestamps.h"
-#include "limb_ring/payload/joint_command.h"
 #include "io/wall_clock.h"
+#include "limb_ring/payload/joint_command.h"
 
 namespace limb_ring::firmware {
 

@@ -6,6 +6,7 @@
 #include "node/faults.h"
 #include "node/host_server.h"
 #include "node/lately_damaged.h"
+#include "node/neighbour_watch.h"
 #include "node/node_driver.h"
 #include "node/node_folder.h"
 #include "node/observers.h"
@@ -13,7 +14,6 @@
 #include "node/round_trips.h"
 #include "node/send_reason.h"
 #include "node/traffic.h"
-#include "node/neighbour_watch.h"
 
 namespace limb_ring::runtime {
 

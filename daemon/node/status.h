@@ -8,10 +8,10 @@
 #include "node/faults.h"
 #include "node/host_server.h"
 #include "node/lately_damaged.h"
+#include "node/neighbour_watch.h"
 #include "node/node_driver.h"
 #include "node/ring_supervisor.h"
 #include "node/round_trips.h"
-#include "node/neighbour_watch.h"
 
 namespace limb_ring::runtime {
 
