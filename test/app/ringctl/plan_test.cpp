@@ -10,6 +10,7 @@ namespace limb_ring::ringctl {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 using Plan = test::OwnFolder;
