@@ -107,7 +107,7 @@ class ForeignNodeInAFile(RingTest):
         self.assertIn("all daemons are up (2), 2 of 3 are in the ring; 'ringctl wait up' waits for the foreign ones", out)
         self.start('tiny_node_udp', [program('tiny_node_udp'), self.ring, str(TINY), str(port), '0,1,2'])
         self.ctl('--ring', self.ring, 'wait', 'up', '--timeout', '30')
-        rows = self.ctl_json('--ring', self.ring, 'status')
+        rows = self.ctl_json('--ring', self.ring, 'status')['nodes']
         self.assertEqual([row['state'] for row in rows], ['up'] * 3)
 
 
