@@ -19,9 +19,9 @@ using ::testing::HasSubstr;
 
 class Timeline : public test::OwnFolder {
  protected:
-  json events_of(const std::string& which) {
+  json events_of(const std::string& which, const std::string& nodes = "4") {
     const std::string path = folder + "/" + which + ".json";
-    const CliRun run = ring_sim({"run", "--case", which, "--nodes", "4", "--perfetto", path});
+    const CliRun run = ring_sim({"run", "--case", which, "--nodes", nodes, "--perfetto", path});
     EXPECT_EQ(run.code, kDone) << run.errors;
     return json::parse(std::ifstream(path)).at("traceEvents");
   }
@@ -44,7 +44,7 @@ TEST_F(Timeline, EachLineHasATrackWithItsName) {
 TEST_F(Timeline, SlicesOfATrackLieBesideOrInsideEachOther) {
   std::map<int, std::vector<std::pair<double, double>>> open;  // by track: begin and end
   std::size_t slices = 0;
-  for (const json& event : of_kind(events_of("saturated"), "X")) {
+  for (const json& event : of_kind(events_of("adversarial", "16"), "X")) {
     const double begin = event.at("ts"), end = begin + event.at("dur").get<double>();
     auto& around = open[event.at("tid")];
     while (!around.empty() && around.back().second <= begin + 1e-6) around.pop_back();
