@@ -10,8 +10,6 @@ import sys
 import tempfile
 import time
 
-import yaml
-
 from . import bench as benches
 from . import cases_line, cases_packets, cases_sending  # noqa: F401: they fill the table
 from . import report
@@ -161,8 +159,12 @@ def run_cases(play, cases, options, known):
 def known_failures(path):
     if not path:
         return {}
+    import yaml  # for this alone
     with open(path, encoding='utf-8') as file:
-        known = yaml.safe_load(file) or {}
+        try:
+            known = yaml.safe_load(file) or {}
+        except yaml.YAMLError as problem:
+            raise ValueError('%s: %s' % (path, problem)) from problem
     if not isinstance(known, dict):
         raise ValueError('%s: a map is expected, such as "4.10-3: forgets verdicts"' % path)
     numbers = {case.number for case in CASES}
@@ -236,7 +238,7 @@ def main(arguments=None):
     folder = tempfile.mkdtemp(prefix='conform_')
     try:
         return conform(options, folder)
-    except (benches.BenchError, OSError, ValueError, yaml.YAMLError) as problem:
+    except (benches.BenchError, OSError, ValueError) as problem:
         print('ringctl conform: %s' % problem, file=sys.stderr)
         return USAGE
     except KeyboardInterrupt:
