@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <iostream>
 
 namespace limb_ring::capture {
 
@@ -21,7 +20,6 @@ std::ifstream opened(const std::string& path) {
 }  // namespace
 
 CaptureFile::CaptureFile(const std::string& path)
-    : file_(path == "-" ? std::ifstream() : opened(path)),
-      reader_(path == "-" ? std::cin : file_, path == "-" ? "standard input" : path) {}
+    : file_(opened(path == "-" ? "/dev/stdin" : path)), reader_(file_, path == "-" ? "standard input" : path) {}
 
 }  // namespace limb_ring::capture
