@@ -146,9 +146,12 @@ class Queue:
             self.memory = os.memfd_create('conform', os.MFD_ALLOW_SEALING)
             os.ftruncate(self.memory, self.HEAD + self.CAPACITY)
             fcntl.fcntl(self.memory, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW)
-            self.event = os.eventfd(0, os.EFD_NONBLOCK)
+            self.woken, self.wakes = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
         else:
-            self.memory, self.event = descriptors
+            self.memory, given = descriptors
+            # Anew: of what was handed over the other end could make us wait.
+            self.woken, self.wakes = os.open('/proc/self/fd/%d' % given, os.O_RDONLY | os.O_NONBLOCK), None
+            os.close(given)
         self.map = mmap.mmap(self.memory, os.fstat(self.memory).st_size)
         self.capacity = len(self.map) - self.HEAD
         self.words, self.halves = memoryview(self.map).cast('Q'), memoryview(self.map).cast('I')
@@ -161,11 +164,14 @@ class Queue:
         self.words[self.WRITTEN] = self.count
         if self.halves[self.SLEEPS]:
             self.halves[self.SLEEPS] = 0
-            os.eventfd_write(self.event, 1)
+            try:
+                os.write(self.wakes, b'\0')
+            except OSError:
+                pass  # it is full, or nobody reads
 
     def read(self):
         try:
-            os.eventfd_read(self.event)
+            os.read(self.woken, 4096)
         except OSError:
             pass  # nobody has woken us
         written, out = self.words[self.WRITTEN], bytearray()
@@ -193,7 +199,9 @@ class Queue:
         self.halves.release()
         self.map.close()
         os.close(self.memory)
-        os.close(self.event)
+        os.close(self.woken)
+        if self.wakes is not None:
+            os.close(self.wakes)
 
 
 class Stream:
@@ -312,7 +320,7 @@ class UnixBench(RealBench):
         try:
             if kind == wire.CONNECT and stream.queue:
                 datagram = datagram[:3] + bytes([wire.CONNECT_MEMORY]) + datagram[4:]
-                socket.send_fds(stream.connection, [datagram], [stream.queue.memory, stream.queue.event])
+                socket.send_fds(stream.connection, [datagram], [stream.queue.memory, stream.queue.woken])
             else:
                 stream.connection.sendall(datagram if kind != wire.BYE else b'')
         except OSError:
@@ -339,7 +347,7 @@ class UnixBench(RealBench):
 
     def poll(self, wait):
         connections = {stream.connection: place for place, stream in self.streams.items()}
-        events = [stream.queue.event for stream in self.streams.values() if stream.queue and not stream.writes]
+        events = [stream.queue.woken for stream in self.streams.values() if stream.queue and not stream.writes]
         came = []
         for ready in select.select(list(self.doors) + list(connections) + events, [], [], wait)[0]:
             if ready in events:
