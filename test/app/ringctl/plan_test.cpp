@@ -38,8 +38,8 @@ TEST_F(Plan, FileIsGivenToEveryDaemonByItsFullPath) {
   const RingPlan plan = plan_ring(request);
   EXPECT_EQ(plan.ring, "other");
   EXPECT_THAT(plan.arguments_of(plan.nodes[0]),
-              ElementsAre("--config", request.config, "--as-read", EndsWith("limb_ring/other"), "--ring", "other", "--transport",
-                          "udp", "--node", "4"));
+              ElementsAre("--config", request.config, "--as-read", EndsWith("limb_ring/other"), "--ring", "other",
+                          "--transport", "udp", "--node", "4"));
 }
 
 TEST_F(Plan, ForeignNodesAreStartedByNobodyHere) {

@@ -53,7 +53,8 @@ TEST_F(Usage, UnknownSubcommandIsRefusedWithAGuess) {
   EXPECT_EQ(ringctl({"fly"}).code, kUsage);
   const CliRun said = ringctl({"stauts"});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.errors, HasSubstr("'ringctl stauts' is unknown, did you mean 'status'? There are: new, check, up, down"));
+  EXPECT_THAT(said.errors,
+              HasSubstr("'ringctl stauts' is unknown, did you mean 'status'? There are: new, check, up, down"));
 }
 
 TEST_F(Usage, WhatIsMissingIsNamedAsTheUsageLineNamesIt) {
