@@ -8,8 +8,8 @@ export function nodeCondition(row) {
   if (state === 'unanswered') return { kind: 'bad', sign: '?', word: 'no answer' };
   if (state === 'duplicate_id') return { kind: 'bad', sign: '✕', word: 'duplicate id' };
   if (['starting', 'joining', 'alone'].includes(state)) return { kind: 'warn', sign: '…', word: state };
-  if (['hung', 'failed', 'stopped'].includes(cpu)) return { kind: 'bad', sign: '✕', word: 'CPU ' + cpu };
-  if (cpu === 'latched') return { kind: 'warn', sign: '■', word: 'stop latched' };
+  if (['hung', 'failed'].includes(cpu)) return { kind: 'bad', sign: '✕', word: 'CPU ' + cpu };
+  if (cpu === 'stopped') return { kind: 'warn', sign: '■', word: 'stopped' };
   if (['silent', 'booting'].includes(cpu)) return { kind: 'warn', sign: '!', word: 'CPU ' + cpu };
   if (['absent', 'none', 'unknown'].includes(cpu)) return { kind: 'good', sign: '✓', word: cpu === 'unknown' ? state : 'no CPU' };
   return { kind: 'good', sign: '✓', word: 'running' };

@@ -9,7 +9,7 @@ test('a node is as its state says, and if that is well, as its CPU is', () => {
   assert.deepEqual(nodeCondition(up({ cpu: 'hung' })), { kind: 'bad', sign: '✕', word: 'CPU hung' });
   assert.equal(nodeCondition(up({ state: 'down', cpu: 'hung' })).word, 'down');
   assert.equal(nodeCondition(up({ state: 'joining' })).kind, 'warn');
-  assert.equal(nodeCondition(up({ cpu: 'latched' })).word, 'stop latched');
+  assert.deepEqual(nodeCondition(up({ cpu: 'stopped' })), { kind: 'warn', sign: '■', word: 'stopped' });
   assert.equal(nodeCondition(up({ cpu: 'none' })).word, 'no CPU');
   assert.equal(nodeCondition(undefined).word, 'unknown');
 });
