@@ -33,7 +33,6 @@ void refuse_too_far(std::int64_t time_ns, std::int64_t zero_ns) {
 
 /// After a jump back. Time that was allowed before it is still to come, and stamps are counted back from its end.
 void tell_how_far_behind(std::int64_t behind_ns) {
-  if (behind_ns < kWorthTellingNs) return;
   ROS_WARN(
       "the ring is still %.3f s behind where /clock was before its jump: until it has caught up, its stamps are as "
       "much before /clock, and 0 where that would be before 0",
@@ -162,14 +161,13 @@ void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
   const json allow{{"do", "allow"}, {"until_ns", step->until_ns()}, {"outer_zero_ns", step->zero_ns}};
   const json state = json::parse(port.ask(allow.dump(), kFollowAnswer));
   if (step->begins) ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s there", in_seconds(time_ns));
-  const auto more = step->jumped_back ? jumps_.allow() : std::nullopt;
-  if (more) {
+  const std::int64_t behind_ns = step->reached_ns - state.value("now_ns", step->reached_ns);
+  if (const auto more = step->jumped_back ? jumps_.allow() : std::nullopt)
     ROS_WARN(
         "/clock has jumped back, from %.6f s to %.6f s: the ring goes on from where it is, %.6f s after its start, and "
         "its stamps follow /clock%s",
         in_seconds(step->former_ns), in_seconds(time_ns), in_seconds(step->reached_ns), and_more(*more).c_str());
-    tell_how_far_behind(step->reached_ns - state.value("now_ns", step->reached_ns));
-  }
+  if (step->jumped_back && behind_ns >= kWorthTellingNs && behind_.allow()) tell_how_far_behind(behind_ns);
   outer_.allowed(*step);
 }
 

@@ -89,7 +89,7 @@ class ClockFollower {
   ConnectOptions daemon_;
   RosClock& clock_;
   OuterTime outer_;
-  Throttle jumps_{std::chrono::seconds(10)}, others_{std::chrono::seconds(10)};
+  Throttle jumps_{std::chrono::seconds(1)}, behind_{std::chrono::seconds(1)}, others_{std::chrono::seconds(10)};
   ClockPublisher publisher_;
   std::mutex mutex_;
   std::condition_variable wake_;
