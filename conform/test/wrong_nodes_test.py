@@ -162,7 +162,7 @@ KINDS = [
     Kind('ring files are not compared', LINK, '  if (*parts != 0)\n    return TN_OTHER_RING_FILE;', '', '6.13-3 6.13-4 6.13-5 6.13-6 6.13-7 6.13-8 6.13-9 6.13-10'),
     Kind('a refusal does not say which parts differ', LINK, '(uint8_t)refusal, parts, NULL', '(uint8_t)refusal, 0, NULL', '6.13-10'),
     Kind('the last hash is not compared', LINK, 'i < TN_AGREEMENT / 8;', 'i < TN_AGREEMENT / 8 - 1;', '6.13-9 6.13-10'),
-    Kind('strange nodes are accepted', LINK, '  if (tn_place(node, header->sender) == node->config.count)\n    return TN_NOT_IN_RING;', '', '6.8-4'),
+    Kind('strange nodes are accepted', LINK, '    return TN_NOT_IN_RING;', '    return TN_NO_REFUSAL;', '6.8-4'),
     Kind('farther nodes are accepted', LINK, '    return TN_BUSY;\n', '    return TN_NO_REFUSAL;\n', '6.8-5'),
     Kind('an accept with half a session', LINK, 'session = (uint64_t)number << 32 | drawn(node);', 'session = (uint64_t)number << 32;', '6.7-13'),
     Kind('a new answer to each connect', LINK, '(uint32_t)(session >> 32) != number) {', 'true) {', '6.7-16'),
