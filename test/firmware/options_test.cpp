@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+#include "support/temporary_folder.h"
+
 namespace limb_ring::firmware {
 namespace {
 
@@ -17,6 +19,7 @@ using std::chrono::nanoseconds;
 class OptionsTest : public testing::Test {
  protected:
   void SetUp() override {
+    unsetenv("LIMB_RING_CONFIG");
     unsetenv("LIMB_RING_NODE");
     unsetenv("LIMB_RING_RING");
   }
@@ -59,6 +62,14 @@ TEST_F(OptionsTest, ElseFromTheEnvironmentThatTheDaemonGives) {
   EXPECT_EQ(options.node, "13");
   EXPECT_EQ(options.ring, "s");
   EXPECT_FALSE(options.hang_after);
+}
+
+TEST_F(OptionsTest, TakeTheNameOfTheRingFromItsFile) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write("ring.yaml", "ring: two\nnodes: [{id: 4}, {id: 9}]\n");
+  EXPECT_EQ(parse({"--config", file.c_str(), "--node", "4"}).ring, "two");
+  EXPECT_EQ(parse({"--config", file.c_str(), "--node", "4", "--ring", "x"}).ring, "x");
+  EXPECT_THROW(parse({"--config", "/nonexistent.yaml", "--node", "4"}), std::runtime_error);
 }
 
 TEST_F(OptionsTest, AreRefusedWithWhatWouldBeRight) {

@@ -9,8 +9,8 @@ from limb_ring import BROADCAST, CommandSet, JointCommand, JointState, Packet
 
 ROBOTS = os.path.join(os.environ.get('LIMB_RING_DATA', ''), 'robots')
 # Arms, quadrupeds, humanoids, one with a lift, wheels and a gripper: nodes of their rings, and joints with a motor.
-EXPECTED = {'anymal': (5, 12), 'bravo7_gripper': (4, 8), 'go2': (5, 12), 'icub': (15, 32), 'kinova': (3, 6),
-            'panda': (4, 8), 'solo12': (5, 12), 'talos_full_v2': (14, 32), 'tiago': (22, 48), 'ur5_robot': (3, 6)}
+EXPECTED = {'anymal': (5, 12), 'bravo7_gripper': (5, 8), 'go2': (5, 12), 'icub': (13, 32), 'kinova': (3, 6),
+            'panda': (4, 8), 'solo12': (5, 12), 'talos_full_v2': (13, 32), 'tiago': (25, 48), 'ur5_robot': (3, 6)}
 
 
 class NewRing(RingTest):

@@ -91,7 +91,7 @@ class Planner {
     const NodeId far = stream.destination == wire::kBroadcast ? laps_.previous(stream.source) : stream.destination;
     out.delivered = response->wait + lap(stream, far, stream.interrupt ? 0 : stream.packets.back());
     out.confirmed = response->wait + unit[which].last;
-    out.late = *out.delivered > stream.deadline;
+    out.late = *out.delivered > stream.late_after();
     Duration longest{0};
     for (const Contender& other : unit) longest = std::max(longest, other.longest);
     out.why = in_words(*response, ahead, longest);

@@ -93,7 +93,7 @@ void add_stream_limits(const config::RingConfig& ring, const std::vector<Stream>
     const double load = streams[s].interrupt ? node.interrupts : node.data;
     if (plan.streams[s].late)
       limits.push_back("'" + streams[s].name + "' is late: delivered after up to " + in_us(*plan.streams[s].delivered) +
-                       ", and its deadline is " + in_us(streams[s].deadline));
+                       ", and its deadline is " + in_us(streams[s].late_after()));
     if (!plan.streams[s].confirmed && load < 1)
       limits.push_back("'" + streams[s].name + "' may wait longer than timeouts.queue, " +
                        config::format_time(ring.timeouts.queue));

@@ -142,8 +142,6 @@ std::vector<Stream> streams_of(const RingConfig& ring) {
   add_topics(ring, streams);
   for (const config::TrafficConfig& config : ring.traffic) streams.push_back(traffic(ring, config));
   add_beacons(ring, streams);
-  for (Stream& stream : streams)
-    if (stream.deadline == Duration{0}) stream.deadline = stream.period;
   return streams;
 }
 

@@ -26,9 +26,10 @@ struct Stream {
   std::optional<std::uint8_t> interrupt;  ///< factor 0 to 7
   Duration period{0};
   Duration jitter{0};             ///< asked for up to so much later than the period says
-  Duration deadline{0};           ///< delivered later than so long after it was asked for, it is late
+  Duration deadline{0};           ///< delivered later than so long after it was asked for, it is late; 0: its period
   std::optional<Duration> phase;  ///< first message so long after the start; none: any
 
+  Duration late_after() const { return deadline == Duration{0} ? period : deadline; }
   double rate() const { return 1e12 / static_cast<double>(period.count()); }  ///< Hz
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "config/load_ring.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/values.h"
 
@@ -31,6 +32,9 @@ Options parse_options(int argc, const char* const* argv) {
   double hang_after_s = 0, endless_loop_at_s = 0;
   CLI::App app("The CPU of a limb node, with simulated joints.", "limb_firmware");
   app.footer(cli::footer(kOnPurpose, "limb_firmware --ring leg8 --node left_knee", kExitCodes));
+  std::string config;
+  app.add_option("--config", config, "YAML of the ring, for its name; what it says of the node comes from the daemon")
+      ->envname("LIMB_RING_CONFIG");
   app.add_option("--node", options.node, "The node this is the CPU of, id or name")->envname("LIMB_RING_NODE");
   app.add_option("--ring", options.ring, "Name of the ring, if several run")->envname("LIMB_RING_RING");
   const CLI::Option* hang = app.add_option("--hang-after", hang_after_s,
@@ -49,6 +53,7 @@ Options parse_options(int argc, const char* const* argv) {
   if (loop->count() > 0) options.endless_loop_at = std::chrono::nanoseconds(std::llround(endless_loop_at_s * 1e9));
   if (options.node.empty() && options.print.empty())
     throw OptionsError("which node is this the CPU of? Give --node ID or NAME, or LIMB_RING_NODE");
+  if (options.ring.empty() && !config.empty() && options.print.empty()) options.ring = config::load_ring(config).ring;
   return options;
 }
 

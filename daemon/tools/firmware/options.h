@@ -9,8 +9,8 @@ namespace limb_ring::firmware {
 
 /// What limb_firmware was told on its command line and by ringd.
 struct Options {
-  std::string ring;                                         ///< --ring, else LIMB_RING_RING, else the only one running
-  std::string node;                                         ///< --node, else LIMB_RING_NODE: id or name
+  std::string ring;  ///< --ring, else LIMB_RING_RING, else that of --config, else the only one running
+  std::string node;  ///< --node, else LIMB_RING_NODE: id or name
   std::optional<std::chrono::nanoseconds> hang_after;       ///< --hang-after
   std::optional<std::chrono::nanoseconds> endless_loop_at;  ///< --endless-loop-at, on the ring's virtual clock
   std::string command_log;                                  ///< --command-log; empty: none

@@ -72,7 +72,7 @@ Row stream_row(const PlanReport& report, std::size_t s) {
           {"packets", stream.packets.size()},
           {"rate_hz", stream.rate()},
           {"period_us", study::microseconds(stream.period)},
-          {"deadline_us", study::microseconds(stream.deadline)},
+          {"deadline_us", study::microseconds(stream.late_after())},
           {"load_percent", percent(plan.load)},
           {"delivered_bound_us", us(plan.delivered)},
           {"confirmed_bound_us", us(plan.confirmed)},
@@ -93,7 +93,7 @@ Row short_row(const PlanReport& report, std::size_t s, const std::string& name) 
   const Stream& stream = report.streams[s];
   Row row{{"stream", app::shortened(name, kNameWidth)}, {"prio", urgency(stream)}, {"bytes", stream.bytes}};
   if (report.runs.empty()) row["period_us"] = whole_us(stream.period);
-  row["deadline_us"] = whole_us(stream.deadline);
+  row["deadline_us"] = whole_us(stream.late_after());
   row["bound_us"] = whole_us(report.plan.streams[s].delivered);
   if (!report.runs.empty()) row["measured"] = largest(report.runs[s].delivered);
   row["verdict"] = verdict_of(report.plan.streams[s]);

@@ -140,7 +140,7 @@ constexpr const char* kRostest = R"file(<launch>
   <include file="$(find @PACKAGE@)/launch/@RING@.launch">
     <arg name="view" value="false"/>
   </include>
-  <test test-name="moves" pkg="@PACKAGE@" type="moves_test.py" time-limit="90"/>
+  <test test-name="moves" pkg="@PACKAGE@" type="moves.py" time-limit="90"/>
 </launch>
 )file";
 
@@ -187,16 +187,17 @@ NODES = @OWN_NODES@
 @pytest.mark.parametrize('node', NODES)
 @pytest.mark.ring('../config/@RING@.yaml', clock='virtual')
 def test_a_node_obeys_commands_and_is_safe_without_them(ring, node):
+    number = ring.id_of(node)
     with ring.port('body', role='cpu', lockstep=True) as body:
         def state(wanted):
             def is_it(message):
-                return (isinstance(message, limb_ring.Packet) and message.source == ring.id_of(node)
+                return (isinstance(message, limb_ring.Packet) and message.source == number
                         and isinstance(message.payload, limb_ring.JointState) and wanted(message.payload))
             return body.find(is_it, timeout=5).payload
 
         there = state(lambda state: state.mode.safe)
         goal = limb_ring.JointCommand([limb_ring.JointCommand.Joint(position=there.joints[0].position)], valid_for=0.1)
-        assert body.wait(body.send(ring.id_of(node), goal), timeout=2).outcome == 'delivered'
+        assert body.wait(body.send(number, goal), timeout=2).outcome == 'delivered'
         state(lambda state: state.mode.commanded)
         state(lambda state: not state.mode.commanded)   # 200 ms later: timeouts.command
 )file";
@@ -257,7 +258,7 @@ std::vector<std::pair<std::string, std::string>> package_files(const NewRing& ri
                                                          {"src/" + first + "_cpu.cpp", kCpp},
                                                          {"scripts/wave.py", kWave},
                                                          {"test/moves.test", kRostest},
-                                                         {"test/moves_test.py", kRostestPython},
+                                                         {"test/moves.py", kRostestPython},
                                                          {"test/test_firmware.py", kPytest},
                                                          {"test/hang.yaml", kScenario}};
   if (!second.empty()) files.emplace_back(script, kPython);
