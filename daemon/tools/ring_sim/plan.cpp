@@ -83,8 +83,8 @@ std::string text_of(const PlanReport& report, const PlanOptions& options) {
   std::string text = app::format_rows(short_stream_rows(report), app::Format::text);
   text += "\n" + app::format_rows(short_node_rows(report), app::Format::text) + "\n";
   text +=
-      "Bounds are the worst cases from the CPU's request for a message until all of it is delivered. --format json\n"
-      "says more of each stream: from, to, rate, load, when it is confirmed, and what its bound consists of.\n";
+      "Bounds are the worst cases from the CPU's request for a message until all of it is delivered. --json says\n"
+      "more of each stream: from, to, rate, load, when it is confirmed, and what its bound consists of.\n";
   if (report.assumed) text += assumed_words(options.medium);
   text += study::expected_words(report.ring);
   if (!report.runs.empty()) text += simulated_words(report, options.duration);
