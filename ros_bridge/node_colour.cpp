@@ -14,7 +14,7 @@ Condition condition_of(const config::NodeConfig& node, const RingStatus& ring) {
     return std::count(ring.silent_joints.begin(), ring.silent_joints.end(), joint.name) != 0;
   });
   const std::string& cpu = status->cpu_state;
-  if (cpu == "silent" || cpu == "failed") return Condition::hung;
+  if (cpu == "silent" || cpu == "hung" || cpu == "failed") return Condition::hung;
   if (status->state != "up" || cpu == "absent" || cpu == "booting") return Condition::unclear;
   // A CPU that has promised no alive_period shows by its joints alone.
   return silent ? Condition::hung : Condition::well;

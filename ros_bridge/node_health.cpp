@@ -98,8 +98,8 @@ void NodeHealth::tell_node(DiagnosticStatusWrapper& out, Clock::time_point now) 
 
 void NodeHealth::tell_cpu(DiagnosticStatusWrapper& out) const {
   const std::string& cpu = status_.cpu_state;
-  if (cpu == "silent" || cpu == "failed")
-    out.mergeSummary(Level::ERROR, cpu == "silent" ? "its CPU hangs" : "its CPU has failed");
+  if (cpu == "silent" || cpu == "hung" || cpu == "failed")
+    out.mergeSummary(Level::ERROR, cpu == "failed" ? "its CPU has failed" : "its CPU hangs");
   else if (cpu == "absent" || cpu == "booting")
     out.mergeSummary(Level::WARN, "its CPU is " + cpu);
   if (has_silent_joints_) out.mergeSummary(Level::WARN, "no joint states of it");

@@ -45,7 +45,7 @@ std::string stopped_in_words(const Nodes& nodes) {
 std::string failed_cpus(const Nodes& nodes) {
   std::string text;
   for (const NodeStatus& node : nodes)
-    if (node.state != "down" && (node.cpu_state == "silent" || node.cpu_state == "failed"))
+    if (node.state != "down" && (node.cpu_state == "silent" || node.cpu_state == "hung" || node.cpu_state == "failed"))
       text += (text.empty() ? "CPU of " : ", CPU of ") + node.name + ' ' + node.cpu_state;
   return text;
 }

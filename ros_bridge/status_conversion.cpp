@@ -87,6 +87,9 @@ void merge_status_row(const json& row, NodeStatus& status) {
   take_number(row, "ring_size", status.ring_size);
   const json& cpu = member(row, "cpu");
   take_text(cpu, "state", status.cpu_state);
+  std::uint8_t hung = 0;
+  take_truth(cpu, "hung", hung);
+  if (hung != 0) status.cpu_state = "hung";
   take_number(cpu, "pid", status.cpu_pid);
   take_number(cpu, "boots", status.cpu_boots);
   take_truth(member(cpu, "stop"), "latched", status.stopped);

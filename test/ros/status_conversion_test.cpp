@@ -43,6 +43,12 @@ TEST_F(Status, TakesARowInSecondsAndWithItsCounters) {
   EXPECT_THAT(status.counter_values, ElementsAre(3u, 12345678901u));
 }
 
+TEST_F(Status, OfACpuWhoseProcessIsStoppedIsHung) {
+  merge_status_row(json::parse(R"({"state": "up", "cpu": {"pid": 4712, "state": "running", "hung": true}})"), status);
+  EXPECT_EQ(status.cpu_state, "hung");
+  EXPECT_FALSE(status.stopped);
+}
+
 TEST_F(Status, SurvivesARowOfWrongTypes) {
   merge_status_row(json::parse(R"({"state": 3, "pid": "x", "cpu": [], "round_trip_us": null,
       "counters": "many"})"),
