@@ -97,7 +97,7 @@ class Diagnostics(unittest.TestCase):
         fault = service('inject_fault', InjectFault)(fault='hang left_knee')
         self.assertTrue(fault.success, fault.message)
         self.wait_for_all(('left_knee', [ERROR], 'its CPU hangs'), ('line left_hip_yaw -> left_knee', [OK], ''))
-        self.ring.status.wait(lambda status: status.message == 'CPU of left_knee silent', 'a sentence about it')
+        self.ring.status.wait(lambda status: status.message == 'CPU of left_knee hung', 'a sentence about it')
         self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
         self.wait_until_well()
 
