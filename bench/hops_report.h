@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "load.h"
-#include "tools/common/rows.h"
+#include "tools/common/text_table.h"
 
 namespace limb_ring::hops {
 

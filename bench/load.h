@@ -3,7 +3,7 @@
 #include <array>
 #include <chrono>
 
-#include "wire/data_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::hops {
 

@@ -10,7 +10,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "bench/status_span.h"
+#include "bench/measurement.h"
 
 namespace {
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "bench/measurement.h"
 #include "bench/setup.h"
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
@@ -47,5 +49,18 @@ class PrivateRing {
 
 /// The daemon's answer to a request. @throw HostPortError
 nlohmann::json ask(HostPort& port, const nlohmann::json& request);
+
+/// What the kernel alone takes: as many processes in a ring of UNIX stream sockets, each reading
+/// what came (up to 64 KiB) and writing it downstream, blocking, with no protocol. The packets are
+/// as long as the ring's own. A sender knows its packet by its first byte, times its lap, and lets
+/// it go round again. (ours)
+/// @throw std::runtime_error where it does not go round
+Measurement measure_reference(const Setup& setup, Pinning pinning, Sending sending);
+
+/// Writes the file of a ring of nodes 0, 1, 2 ... @param sections further sections of the file, each ends its line
+/// @param attached nodes whose CPU attaches itself; the others have none
+/// @return `path`
+std::string write_ring(const std::string& path, unsigned nodes, const std::string& sections,
+                       const std::set<unsigned>& attached = {});
 
 }  // namespace limb_ring::bench

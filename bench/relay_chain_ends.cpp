@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bench/samples.h"
+#include "bench/measurement.h"
 #include "wire/bytes.h"
 
 namespace {

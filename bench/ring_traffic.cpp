@@ -1,9 +1,14 @@
 #include "bench/ring_traffic.h"
 
 #include <chrono>
+#include <fstream>
 #include <stdexcept>
+#include <thread>
 
-#include "bench/waits.h"
+#include "bench/cores.h"
+#include "bench/setup.h"
+#include "ring/observed_daemon.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -57,6 +62,55 @@ Measurement measure_traffic(const Setup& setup, const PrivateRing& ring, Sending
   for (std::size_t i = 0; i < senders; ++i)
     measured.push_back(measurement_of(reply_to(tokens[i], ports[i], setup, deadline)));
   return together(measured);
+}
+
+RingJudge::RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinning)
+    : seen_(std::make_unique<Shared<Seen>>(1)) {
+  Seen& seen = (*seen_)[0];
+  worker_ = std::make_unique<Worker>([&] {
+    stay_on(cores_for(pinning));
+    live::PromiseWatch watch({ring.name(), ring.config().node_ids()},
+                             [&seen](const promises::Breach&) { seen.broken = true; });
+    for (;; std::this_thread::sleep_for(live::PromiseWatch::kRound)) {
+      watch.poll();
+      seen.ready = watch.watched() == ring.config().nodes.size();
+    }
+  });
+  if (!worker_->sets(seen.ready, setup.poll, kPatience))
+    throw std::runtime_error("the ring's promises could not be judged");
+}
+
+void RingJudge::require_kept() const {
+  if ((*seen_)[0].broken) throw std::runtime_error("a promise of the measured ring was found broken");
+}
+
+namespace {
+
+void observe(HostPort port, std::atomic<bool>& ready) {
+  std::ofstream nowhere("/dev/null");
+  capture::PcapngWriter writer(nowhere, {port.ring(), {}});
+  port.observe(R"({"packets": {}})");
+  while (port.connected()) {
+    const auto message = port.receive(std::chrono::seconds(1));
+    if (!message) continue;
+    if (std::holds_alternative<CaptureCounts>(*message)) ready = true;  // the first: the daemon has begun
+    const auto* packet = std::get_if<CapturedPacket>(&*message);
+    if (packet == nullptr) continue;
+    writer.packet(packet->time_ns, packet->info, {packet->bytes.data(), packet->bytes.size()}, packet->lost_before);
+  }
+}
+
+}  // namespace
+
+PacketObserver::PacketObserver(const Setup& setup, const PrivateRing& ring, std::size_t index, Pinning pinning)
+    : ready_(std::make_unique<Shared<std::atomic<bool>>>(1)) {
+  std::atomic<bool>& ready = (*ready_)[0];
+  worker_ = std::make_unique<Worker>([&] {
+    stay_on(cores_for(pinning));
+    observe(ring.connect(index), ready);
+  });
+  if (!worker_->sets(ready, setup.poll, kPatience))
+    throw std::runtime_error("the packets of a node could not be observed");
 }
 
 }  // namespace limb_ring::bench

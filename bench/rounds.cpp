@@ -5,12 +5,9 @@
 
 #include "bench/cores.h"
 #include "bench/cpu_to_cpu.h"
-#include "bench/packet_observer.h"
-#include "bench/reference_ring.h"
-#include "bench/ring_judge.h"
+#include "bench/private_ring.h"
 #include "bench/ring_traffic.h"
-#include "bench/write_ring.h"
-#include "node/key_file.h"
+#include "node/link_settings.h"
 
 namespace limb_ring::bench {
 namespace {

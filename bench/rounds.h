@@ -4,12 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "bench/cases.h"
 #include "bench/measurement.h"
 #include "bench/private_ring.h"
-#include "bench/report.h"
 #include "bench/setup.h"
-#include "ring/private_folder.h"
+#include "bench/suite.h"
+#include "ring/launched_ring.h"
 
 namespace limb_ring::bench {
 

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <sys/mman.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "limb_ring/host_port.h"
@@ -40,5 +45,32 @@ struct Setup {
   std::chrono::milliseconds case_time() const { return std::chrono::milliseconds(static_cast<int>(seconds * 1000)); }
   double round_seconds() const { return seconds / rounds; }
 };
+
+/// `count` values of T in memory that this process shares with those it forks.
+template <typename T>
+class Shared {
+ public:
+  explicit Shared(std::size_t count) : count_(count) {
+    memory_ = ::mmap(nullptr, bytes(), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory_ == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "shared memory");
+    for (std::size_t i = 0; i < count; ++i) new (begin() + i) T();
+  }
+  ~Shared() { ::munmap(memory_, bytes()); }
+  Shared(const Shared&) = delete;
+  Shared& operator=(const Shared&) = delete;
+
+  T& operator[](std::size_t index) { return begin()[index]; }
+  T* begin() { return static_cast<T*>(memory_); }
+  T* end() { return begin() + count_; }
+
+ private:
+  std::size_t bytes() const { return count_ * sizeof(T); }
+  std::size_t count_;
+  void* memory_;
+};
+
+constexpr std::chrono::milliseconds kTick{5};           ///< how often another process is polled for its end
+constexpr std::chrono::milliseconds kSlice{50};         ///< how long a client waits for one message
+constexpr std::chrono::milliseconds kPatience{10'000};  ///< how much longer than asked for something may take
 
 }  // namespace limb_ring::bench

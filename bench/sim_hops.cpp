@@ -9,8 +9,7 @@
 #include "hops_report.h"
 #include "load.h"
 #include "ns3_program.h"
-#include "tools/cli/command_line.h"
-#include "tools/cli/values.h"
+#include "tools/common/command_line.h"
 
 namespace {
 

@@ -1,10 +1,14 @@
 #include "bench/suite.h"
 
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <numeric>
+#include <sstream>
 #include <vector>
 
-#include "bench/idle_share.h"
+#include "bench/cores.h"
 #include "bench/private_ring.h"
-#include "bench/reference_ring.h"
 #include "bench/relay_chain.h"
 #include "bench/rounds.h"
 
@@ -63,6 +67,196 @@ Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {
     if (setup.wants("humanoid_virtual") && humanoid)
       report.virtual_rates.push_back(measure_virtual_rate(setup, folder, rate));
   return report;
+}
+
+const Row* Report::find(const std::string& what, Pinning pinning, Sending sending) const {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {
+    return row.what == what && row.pinning == pinning && row.sending == sending;
+  });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+std::uint64_t Report::failed() const {
+  return std::accumulate(rows.begin(), rows.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const Row& row) { return sum + row.measured.failed; });
+}
+
+namespace {
+
+using nlohmann::json;
+
+const char* key_of(Pinning pinning) { return pinning == Pinning::one_core ? "one_core" : "unpinned"; }
+const char* key_of(Sending sending) { return sending == Sending::one ? "one_sender" : "all_sending"; }
+
+/// Two decimals: more would be noise.
+double rounded(double value) { return std::round(value * 100) / 100; }
+
+json row_json(const Row& row) {
+  const RoundTrip& time = row.measured.round_trip_us;
+  json all{{"round_trip_us", {{"p50", rounded(time.p50)}, {"p99", rounded(time.p99)}, {"max", rounded(time.max)}}},
+           {"packets_per_second", rounded(row.measured.packets_per_second)},
+           {"reference_ratio", rounded(row.reference_ratio)},
+           {"packets", row.measured.packets},
+           {"failed", row.measured.failed}};
+  if (row.addition_ratio > 0) all["un" + row.what + "_ratio"] = rounded(row.addition_ratio);
+  return all;
+}
+
+json own_rate_json(const Report& report) {
+  if (!report.own_rate) return report.own_rate_skipped.empty() ? json() : json{{"skipped", report.own_rate_skipped}};
+  const OwnRate& rate = *report.own_rate;
+  return {{"joint_states_rate", rounded(rate.joint_states_rate)},
+          {"commands_rate", rounded(rate.commands_rate)},
+          {"samples", rate.samples},
+          {"left_out", rate.left_out},
+          {"lap_us", {{"p50", rounded(rate.lap_p50_us)}, {"p99", rounded(rate.lap_p99_us)}}},
+          {"cpu_percent", rounded(rate.ring_percent)}};
+}
+
+json virtual_rate_json(const VirtualRate& rate) {
+  return {{"state_rate", rate.state_rate},
+          {"samples", rate.samples},
+          {"left_out", rate.left_out},
+          {"times_real_time", rounded(rate.times_real_time)}};
+}
+
+json percent(const std::optional<double>& value) { return value ? json(rounded(*value)) : json(); }
+
+struct Label {
+  const char* what;  ///< as in Row
+  const char* text;
+};
+
+/// All that is measured at a pinning, in the order in which it is printed.
+constexpr Label kLabels[] = {{"reference", "bare reference ring (UNIX)"},
+                             {"shm", "limb_ring through shared memory"},
+                             {"recorded", "  with flight recorders"},
+                             {"judged", "  while `ringctl judge` judges it"},
+                             {"placed", "  cores: auto, fifo"},
+                             {"unix", "limb_ring over UNIX stream"},
+                             {"watched", "  while one dump reads along"},
+                             {"udp", "limb_ring over UDP"},
+                             {"keyed", "  keyed (links.key)"},
+                             {"cpu_to_cpu", "limb_ring, CPU to CPU and back"},
+                             {"relay_chain", "chain of topic_tools/relay"}};
+
+/// The same of the rings that have a core for each node.
+constexpr Label kSpinLabels[] = {{"spin_reference", "bare reference ring (UNIX)"},
+                                 {"spin", "shared memory, spin: 50us"}};
+
+void print_line(std::ostream& out, const char* label, const Row& row) {
+  const RoundTrip& time = row.measured.round_trip_us;
+  out << "  " << std::left << std::setw(32) << label << std::right << std::setw(9) << time.p50 << std::setw(9)
+      << time.p99 << std::setw(10) << time.max << std::setw(11) << std::setprecision(0)
+      << row.measured.packets_per_second << std::setprecision(2) << std::setw(8) << row.reference_ratio << "x";
+  if (row.addition_ratio > 0) out << "  (" << row.addition_ratio << "x un" << row.what << ")";
+  if (row.measured.failed != 0) out << "  " << row.measured.failed << " FAILED";
+  out << std::setprecision(1) << '\n';
+}
+
+void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
+  const bool measured = std::any_of(report.rows.begin(), report.rows.end(), [=](const Row& row) {
+    return row.pinning == pinning && row.sending == sending && row.what.rfind("spin", 0) != 0;
+  });
+  if (!measured) return;
+  out << (sending == Sending::one ? "one sender, " : "all sending, ")
+      << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
+  for (const Label& label : kLabels)
+    if (const Row* row = report.find(label.what, pinning, sending)) print_line(out, label.text, *row);
+}
+
+void print_spin(std::ostream& out, const Report& report) {
+  if (report.spin_nodes == 0) return;
+  out << "one sender, " << report.spin_nodes << " nodes, a core for each\n";
+  for (const Label& label : kSpinLabels)
+    print_line(out, label.text, *report.find(label.what, Pinning::free, Sending::one));
+}
+
+void print_idle(std::ostream& out, const char* ring, const std::optional<double>& share) {
+  if (share) out << "  " << std::left << std::setw(32) << ring << std::right << std::setw(9) << *share << " %\n";
+}
+
+void print_own_rate(std::ostream& out, const Report& report) {
+  if (!report.own_rate && report.own_rate_skipped.empty()) return;
+  out << "humanoid16 at 1 kHz, states and commands of all joints, ring_bridge at 1 kHz\n";
+  if (!report.own_rate) {
+    out << "  skipped, " << report.own_rate_skipped << '\n';
+    return;
+  }
+  const OwnRate& rate = *report.own_rate;
+  out << "  " << rate.samples << " samples, " << rate.left_out << " left out; joint_states " << rate.joint_states_rate
+      << " Hz; commands at each node " << rate.commands_rate << " Hz; lap p50 " << rate.lap_p50_us << " us, p99 "
+      << rate.lap_p99_us << " us; ring and bridge take " << rate.ring_percent << " % of a core\n";
+}
+
+void print_virtual_rates(std::ostream& out, const Report& report) {
+  if (report.virtual_rates.empty()) return;
+  out << "humanoid16 with firmware and a controller on a virtual clock, one core, states and commands of all joints\n";
+  for (const VirtualRate& rate : report.virtual_rates)
+    out << "  at " << rate.state_rate << " Hz: " << rate.samples << " samples, " << rate.left_out << " left out, "
+        << rate.times_real_time << " times real time\n";
+}
+
+}  // namespace
+
+json to_json(const Report& report) {
+  json all = {{"nodes", report.nodes}, {"payload", report.payload}, {"seconds_per_case", report.seconds}};
+  all["failed"] = report.failed();
+  for (const Row& row : report.rows) {
+    all[row.what][key_of(row.pinning)][key_of(row.sending)] = row_json(row);
+    if (row.what == "unix" && row.pinning == Pinning::one_core) all[key_of(row.sending)] = row_json(row);
+  }
+  if (!report.relay_chain_skipped.empty()) all["relay_chain"] = {{"skipped", report.relay_chain_skipped}};
+  all["idle_cpu_percent"] = {{"plain", percent(report.idle_plain_percent)},
+                             {"humanoid16", percent(report.idle_humanoid_percent)}};
+  all["system_call_us"] = rounded(report.costs.system_call);
+  all["process_switch_us"] = rounded(report.costs.process_switch);
+  all["spin_nodes"] = report.spin_nodes;
+  all["humanoid_1khz"] = own_rate_json(report);
+  all["humanoid_virtual"] = json::array();
+  for (const VirtualRate& rate : report.virtual_rates) all["humanoid_virtual"].push_back(virtual_rate_json(rate));
+  return all;
+}
+
+std::string to_text(const Report& report) {
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(1);
+  out << report.nodes << " nodes, " << report.payload << " bytes of payload, round trips in us\n\n";
+  out << std::setw(43) << "p50" << std::setw(9) << "p99" << std::setw(10) << "max" << std::setw(11) << "packets/s"
+      << "  reference\n";
+  for (const Pinning pinning : {Pinning::one_core, Pinning::free})
+    for (const Sending sending : {Sending::one, Sending::all}) print_table(out, report, pinning, sending);
+  print_spin(out, report);
+  if (!report.relay_chain_skipped.empty())
+    out << "chain of topic_tools/relay: skipped, " << report.relay_chain_skipped << '\n';
+  if (report.idle_plain_percent) out << "idle rings, CPU of all processes together, of one core\n";
+  print_idle(out, "plain ring", report.idle_plain_percent);
+  print_idle(out, "humanoid16 with its CPUs", report.idle_humanoid_percent);
+  print_own_rate(out, report);
+  print_virtual_rates(out, report);
+  out << std::setprecision(2) << "here a system call takes " << report.costs.system_call
+      << " us; a switch to another process, with two of them, " << report.costs.process_switch << " us\n";
+  return out.str();
+}
+
+void Cases::add(const std::string& what, Sending sending, const Measurement& measured, double reference_p50) {
+  Case& all = cases_[{what, sending}];
+  all.rounds.push_back(measured);
+  all.ratios.push_back(measured.round_trip_us.p50 / reference_p50);
+}
+
+void Cases::add_without(const std::string& what, Sending sending, const Measurement& without) {
+  Case& all = cases_.at({what, sending});
+  all.additions.push_back(all.rounds.back().round_trip_us.p50 / without.round_trip_us.p50);
+}
+
+std::vector<Row> Cases::rows(Pinning pinning) const {
+  std::vector<Row> rows;
+  for (const auto& [key, measured] : cases_) {
+    const double addition = measured.additions.empty() ? 0 : median(measured.additions);
+    rows.push_back({key.first, pinning, key.second, of_rounds(measured.rounds), median(measured.ratios), addition});
+  }
+  return rows;
 }
 
 }  // namespace limb_ring::bench

@@ -16,7 +16,6 @@
 #include "ros_bridge/interrupt_log.h"
 #include "ros_bridge/joint_data_out.h"
 #include "ros_bridge/parameters.h"
-#include "ros_bridge/publisher_look.h"
 #include "ros_bridge/ring_port.h"
 #include "ros_bridge/services.h"
 #include "ros_bridge/status_out.h"

@@ -15,7 +15,7 @@
 
 #include "limb_ring/host_port.h"
 #include "ros_bridge/ros_clock.h"
-#include "ros_bridge/throttle.h"
+#include "ros_bridge/topic_in.h"
 
 namespace limb_ring::bridge {
 

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "ring/resume_cpu.h"
+#include "ring/known_stops.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -11,9 +11,8 @@
 
 #include "ros_bridge/command_sender.h"
 #include "ros_bridge/counters.h"
-#include "ros_bridge/direct_queue.h"
 #include "ros_bridge/ring_port.h"
-#include "ros_bridge/throttle.h"
+#include "ros_bridge/topic_in.h"
 
 namespace limb_ring::bridge {
 

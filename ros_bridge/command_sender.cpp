@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "limb_ring/payload/packet_type.h"
-#include "ring/arrived.h"
-#include "ros_bridge/outcome_word.h"
+#include "ring/reset_node.h"
+#include "ros_bridge/status_conversion.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
-#include "ros_bridge/throttle.h"
+#include "ros_bridge/topic_in.h"
 
 namespace limb_ring::bridge {
 

@@ -5,7 +5,7 @@
 
 #include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/conversions.h"
-#include "ros_bridge/frame_names.h"
+#include "ros_bridge/frames_out.h"
 
 namespace limb_ring::bridge {
 namespace {

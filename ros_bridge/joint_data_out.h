@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "ros_bridge/conversions.h"
 #include "ros_bridge/counters.h"
-#include "ros_bridge/joint_store.h"
 #include "ros_bridge/ring_port.h"
 
 namespace limb_ring::bridge {

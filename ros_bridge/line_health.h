@@ -1,16 +1,76 @@
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <limb_ring/NodeStatus.h>
 #include <limb_ring/RingStatus.h>
 
 #include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "config/ring_config.h"
-#include "ros_bridge/counter_growth.h"
-#include "ros_bridge/recent.h"
+#include "ring/status_rows.h"
 
 namespace limb_ring::bridge {
+
+/// Value of a counter of a node's daemon; 0 where it has none of that name.
+std::uint64_t counter_of(const NodeStatus& node, const std::string& name);
+
+/// By how much the error counters of a node, or of a line at it, have grown from one status to the next. A daemon that
+/// was restarted (another pid) counts from 0.
+class CounterGrowth {
+ public:
+  explicit CounterGrowth(ask::ErrorCounter::Of of);
+
+  struct Step {
+    std::string name;
+    std::uint64_t by, now;
+  };
+  /// Those that have grown since the last call; none at the first.
+  std::vector<Step> take(const NodeStatus& node);
+  const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  std::vector<std::string> names_;
+  std::map<std::string, std::uint64_t> last_;
+  std::int32_t pid_ = 0;
+};
+
+/// What happened lately, each told for a while: a diagnostics reader that reads once a second would
+/// miss what came and went between two readings.
+class Recent {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Recent(Clock::duration hold) : hold_(hold) {}
+
+  /// The newest text of a key replaces the one before.
+  void note(const std::string& key, const std::string& text, Clock::time_point now) { notes_[key] = {text, now}; }
+
+  /// Calls visit(text) for each that is not older than the hold; forgets the others.
+  template <class Visit>
+  void each(Clock::time_point now, Visit visit) {
+    for (auto note = notes_.begin(); note != notes_.end();) {
+      if (now - note->second.at > hold_) {
+        note = notes_.erase(note);
+      } else {
+        visit(note->second.text);
+        ++note;
+      }
+    }
+  }
+
+ private:
+  struct Note {
+    std::string text;
+    Clock::time_point at;
+  };
+  Clock::duration hold_;
+  std::map<std::string, Note> notes_;
+};
 
 /// The condition of the line from one node to the next. (ours)
 ///   STALE  neither end is known (on another host, or not running), nor a break there
@@ -40,6 +100,27 @@ class LineHealth {
   bool said_broken_ = false;
   CounterGrowth out_counters_, in_counters_;
   Recent recent_;
+};
+
+/// What the lines carry, from one status to the next. A line is named by the node at its end, which
+/// counts what came in.
+class LineLoad {
+ public:
+  void take(const RingStatus& ring);
+
+  /// 0 (idle) to 1: share of the line's data rate; where it has none, of the busiest line. Nothing
+  /// where it cannot be known.
+  std::optional<double> of(std::uint8_t end) const;
+
+ private:
+  struct Count {
+    std::uint64_t bytes = 0;
+    std::int32_t pid = 0;
+    ros::Time at;
+  };
+  std::map<std::uint8_t, Count> counts_;
+  std::map<std::uint8_t, double> bytes_per_second_, rates_;
+  double busiest_ = 0;
 };
 
 }  // namespace limb_ring::bridge

@@ -4,10 +4,11 @@
 #include <limb_ring/RingStatus.h>
 
 #include <chrono>
+#include <string>
+#include <vector>
 
 #include "config/ring_config.h"
-#include "ros_bridge/counter_growth.h"
-#include "ros_bridge/recent.h"
+#include "ros_bridge/line_health.h"
 
 namespace limb_ring::bridge {
 
@@ -46,5 +47,13 @@ class NodeHealth {
   bool bridge_connected_ = false, has_silent_joints_ = false, was_heard_ = false;
   Clock::time_point heard_at_{};
 };
+
+/// The condition of the whole ring, in the words of `ringctl status`. (ours)
+///   ERROR  the bridge has no connection to its daemon
+///   WARN   not every node is up: an open chain, folded, or some are down; or a stop is latched
+void tell_ring(const RingStatus& ring, diagnostic_updater::DiagnosticStatusWrapper& out);
+
+/// The same for people, with the CPUs that are silent or have failed; empty where nothing is wrong.
+std::string what_is_wrong(const std::vector<NodeStatus>& nodes);
 
 }  // namespace limb_ring::bridge

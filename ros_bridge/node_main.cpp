@@ -1,18 +1,26 @@
 #include "ros_bridge/node_main.h"
 
 #include <ros/ros.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <iostream>
 #include <stdexcept>
 #include <string>
 
-#include "config/config_error.h"
-#include "io/standard_descriptors.h"
-#include "tools/cli/output.h"
-#include "tools/cli/roff.h"
+#include "config/quantity.h"
+#include "io/child.h"
+#include "io/signal_wait.h"
+#include "io/spawn.h"
+#include "ros_bridge/bridge.h"
+#include "tools/common/command_line.h"
+#include "tools/common/man_page.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -92,6 +100,100 @@ int run_node(int argc, char** argv, const NodeProgram& program) {
     return 2;
   }
   return is_name_taken() ? 2 : run_or_complain(program);
+}
+
+namespace {
+
+void keep_parameters(const ros::NodeHandle& own, const KeptText& kept) {
+  XmlRpc::XmlRpcValue given;
+  if (ros::param::get(own.getNamespace(), given) && given.hasMember("config")) return kept.put(given.toXml());
+  const std::string before = kept.get();
+  if (before.empty()) return;  // its first life
+  int offset = 0;
+  XmlRpc::XmlRpcValue known(before, &offset);
+  if (known.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
+  for (auto& [name, value] : known) own.setParam(name, value);
+  ROS_WARN("the ROS master is new, and did not know this node's parameters: those of before are set again");
+}
+
+}  // namespace
+
+void run_bridge(const KeptText& kept) {
+  const ros::NodeHandle own("~");
+  keep_parameters(own, kept);
+  const Bridge bridge(ros::NodeHandle(), read_parameters(own));
+  ros::spin();
+}
+
+KeptText::KeptText() : file_(::memfd_create("limb_ring kept text", MFD_CLOEXEC)) {}
+
+// Half a text would be worse than none.
+void KeptText::put(const std::string& text) const {
+  if (::ftruncate(file_.get(), 0) != 0) return;
+  if (::pwrite(file_.get(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size())) return;
+  (void)!::ftruncate(file_.get(), 0);
+}
+
+std::string KeptText::get() const {
+  struct stat status {};
+  if (::fstat(file_.get(), &status) != 0) return {};
+  std::string text(static_cast<std::size_t>(status.st_size), '\0');
+  const ssize_t size = ::pread(file_.get(), text.data(), text.size(), 0);
+  text.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
+  return text;
+}
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr int kWrongParameters = 2;
+
+/// @return whether this process was asked to end while the child ran
+bool wait_for(process::Child& child, const process::SignalWait& signals) {
+  bool asked = false;
+  while (!child.reap()) {
+    const int signal = signals.next();
+    if (!process::SignalWait::asks_to_end(signal)) continue;
+    asked = true;
+    child.signal(signal);
+  }
+  return asked;
+}
+
+/// @return true where the parent is asked to end meanwhile
+bool wait_before_next(milliseconds wait, const process::SignalWait& signals) {
+  const auto until = steady_clock::now() + wait;
+  for (auto now = steady_clock::now(); now < until; now = steady_clock::now())
+    if (signals.asked_to_end(std::chrono::ceil<milliseconds>(until - now))) return true;
+  return false;
+}
+
+}  // namespace
+
+int respawned(const std::function<int()>& program) {
+  // Held back to the end of this process: one that comes after the child's end must not change our exit code.
+  const process::SignalWait& signals = *new process::SignalWait;
+  // It ends by exit(), as from main(): ROS ends in an exit handler.
+  const auto work = [&]() -> int {
+    signals.release();
+    std::exit(program());
+  };
+  const pid_t starter = ::getppid();
+  process::BackOff back_off({});
+  for (;;) {
+    const auto start = steady_clock::now();
+    process::Child child(process::spawn_copy(work, SIGTERM), "the process");
+    if (child.ended()) throw std::runtime_error(child.ended()->text);
+    const bool asked = wait_for(child, signals);
+    const process::ExitStatus& end = *child.ended();
+    const int code = end.code.value_or(1);
+    if (asked || code == kWrongParameters || ::getppid() != starter) return code;
+    std::cerr << "the process ended with " << end.text << " and is started again" << std::endl;
+    const auto ran = std::chrono::duration_cast<milliseconds>(steady_clock::now() - start);
+    if (wait_before_next(back_off.after(ran), signals)) return code;
+  }
 }
 
 }  // namespace limb_ring::bridge

@@ -4,10 +4,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "config/characters.h"
 #include "config/load_ring.h"
-#include "config/names.h"
-#include "config/plain_ring.h"
+#include "config/quantity.h"
+#include "config/ring_config.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
-#include "ros_bridge/frame_filter.h"
+#include "ros_bridge/frames_out.h"
 
 namespace limb_ring::bridge {
 

@@ -1,10 +1,8 @@
 // ring_bridge: the CPU of one node of the ring, for ROS.
 #include <cstring>
 
-#include "io/standard_descriptors.h"
+#include "io/spawn.h"
 #include "ros_bridge/node_main.h"
-#include "ros_bridge/respawn.h"
-#include "ros_bridge/run_bridge.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "limb_ring/ring_directory.h"
-#include "ring/lock_files.h"
+#include "ring/ring_files.h"
 
 namespace limb_ring::bridge {
 namespace {

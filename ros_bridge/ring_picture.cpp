@@ -1,10 +1,11 @@
 #include "ros_bridge/ring_picture.h"
 
+#include <urdf_parser/urdf_parser.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include "ros_bridge/node_colour.h"
+#include <stdexcept>
 
 namespace limb_ring::bridge {
 namespace {
@@ -149,6 +150,121 @@ std::vector<Marker> RingPicture::markers(const RingStatus& status, const LineLoa
     add_line(i, status, load, all);
   }
   return all;
+}
+
+namespace {
+
+constexpr double kShell = 0.008;  // m, thickness around the robot's own shape
+constexpr float kAlpha = 0.75f;
+
+void box(Marker& marker, double x, double y, double z) {
+  marker.scale.x = x + 2 * kShell;
+  marker.scale.y = y + 2 * kShell;
+  marker.scale.z = z + 2 * kShell;
+}
+
+/// @return false for a mesh: what it measures is not known here
+bool take_shape(const urdf::Geometry& geometry, Marker& marker) {
+  if (geometry.type == urdf::Geometry::SPHERE) {
+    const double width = 2 * static_cast<const urdf::Sphere&>(geometry).radius;
+    marker.type = Marker::SPHERE;
+    box(marker, width, width, width);
+  } else if (geometry.type == urdf::Geometry::CYLINDER) {
+    const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
+    marker.type = Marker::CYLINDER;
+    box(marker, 2 * cylinder.radius, 2 * cylinder.radius, cylinder.length);
+  } else if (geometry.type == urdf::Geometry::BOX) {
+    const auto& size = static_cast<const urdf::Box&>(geometry).dim;
+    marker.type = Marker::CUBE;
+    box(marker, size.x, size.y, size.z);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+Marker shape_of(const urdf::Link& link) {
+  constexpr double kUnknown = 0.06;  // m, a ball where the shape cannot be had
+  Marker marker = blank_marker(link.name, "", 0, Marker::SPHERE);
+  marker.frame_locked = true;
+  if (!link.visual || !link.visual->geometry || !take_shape(*link.visual->geometry, marker))
+    box(marker, kUnknown, kUnknown, kUnknown);
+  if (!link.visual) return marker;
+  const urdf::Pose& pose = link.visual->origin;
+  marker.pose.position.x = pose.position.x;
+  marker.pose.position.y = pose.position.y;
+  marker.pose.position.z = pose.position.z;
+  pose.rotation.getQuaternion(marker.pose.orientation.x, marker.pose.orientation.y, marker.pose.orientation.z,
+                              marker.pose.orientation.w);
+  return marker;
+}
+
+}  // namespace
+
+LimbMarks::LimbMarks(const config::RingConfig& ring, const std::string& urdf) : ring_(ring) {
+  if (urdf.empty()) return;
+  const auto model = urdf::parseURDF(urdf);
+  if (!model) throw std::invalid_argument("parameter robot_description is no URDF");
+  root_ = model->getRoot()->name;
+  for (const auto& [name, joint] : model->joints_) shapes_[name] = shape_of(*model->getLink(joint->child_link_name));
+}
+
+std::vector<Marker> LimbMarks::markers(const RingStatus& status) const {
+  std::vector<Marker> all;
+  for (const auto& node : ring_.nodes) {
+    const Condition condition = condition_of(node, status);
+    // A node in an open chain still works: its ball on the ring shows the chain, its limb is not marked.
+    if (condition != Condition::hung && condition != Condition::down) continue;
+    for (std::size_t joint = 0; joint < node.joints.size(); ++joint) {
+      const auto shape = shapes_.find(node.joints[joint].name);
+      if (shape == shapes_.end()) continue;
+      Marker marker = shape->second;
+      marker.ns = "limbs of " + node.name;
+      marker.id = static_cast<int>(joint);
+      marker.color = colour_of(condition, kAlpha);
+      all.push_back(marker);
+    }
+  }
+  return all;
+}
+
+Condition condition_of(const config::NodeConfig& node, const RingStatus& ring) {
+  const auto status =
+      std::find_if(ring.nodes.begin(), ring.nodes.end(), [&](const auto& other) { return other.id == node.id; });
+  if (status == ring.nodes.end() || status->state == "down" || status->state == "alone" ||
+      status->state == "duplicate_id")
+    return Condition::down;
+  const bool silent = std::any_of(node.joints.begin(), node.joints.end(), [&](const auto& joint) {
+    return std::count(ring.silent_joints.begin(), ring.silent_joints.end(), joint.name) != 0;
+  });
+  const std::string& cpu = status->cpu_state;
+  if (cpu == "silent" || cpu == "hung" || cpu == "failed") return Condition::hung;
+  if (status->state != "up" || cpu == "absent" || cpu == "booting") return Condition::unclear;
+  // A CPU that has promised no alive_period shows by its joints alone.
+  return silent ? Condition::hung : Condition::well;
+}
+
+std_msgs::ColorRGBA colour(float red, float green, float blue, float alpha) {
+  std_msgs::ColorRGBA made;
+  made.r = red;
+  made.g = green;
+  made.b = blue;
+  made.a = alpha;
+  return made;
+}
+
+std_msgs::ColorRGBA colour_of(Condition condition, float alpha) {
+  switch (condition) {
+    case Condition::well:
+      return colour(0.2f, 0.8f, 0.3f, alpha);
+    case Condition::unclear:
+      return colour(1.0f, 0.8f, 0.1f, alpha);
+    case Condition::hung:
+      return colour(1.0f, 0.45f, 0.0f, alpha);
+    case Condition::down:
+      break;
+  }
+  return colour(0.95f, 0.1f, 0.1f, alpha);
 }
 
 }  // namespace limb_ring::bridge

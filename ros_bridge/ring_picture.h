@@ -1,12 +1,16 @@
 #pragma once
 
 #include <limb_ring/RingStatus.h>
+#include <std_msgs/ColorRGBA.h>
+#include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <map>
 #include <string>
+#include <vector>
 
 #include "config/ring_config.h"
-#include "ros_bridge/line_load.h"
+#include "ros_bridge/line_health.h"
 
 namespace limb_ring::bridge {
 
@@ -37,5 +41,36 @@ class RingPicture {
 
 /// A marker that stays until the next picture, and goes by the newest transform.
 visualization_msgs::Marker blank_marker(const std::string& frame, const std::string& ns, int id, int type);
+
+/// The limbs of nodes that are down or whose CPU hangs, as a shell in their colour around the robot's own: for each
+/// joint of such a node the shape of the link that it moves, in that link's frame.
+/// Namespace: limbs of NODE; id: joint, in the node's order.
+class LimbMarks {
+ public:
+  /// `urdf`: the robot's description, or empty: no robot, no limbs.
+  /// @throw std::invalid_argument where it is no URDF
+  LimbMarks(const config::RingConfig& ring, const std::string& urdf);
+
+  std::vector<visualization_msgs::Marker> markers(const RingStatus& status) const;
+  /// The link that no joint moves; empty: no robot.
+  const std::string& root() const { return root_; }
+
+ private:
+  const config::RingConfig& ring_;
+  std::string root_;
+  std::map<std::string, visualization_msgs::Marker> shapes_;  // by joint
+};
+
+/// The condition of a node, each shown in a colour of its own.
+enum class Condition {
+  well,     ///< up, and its CPU runs
+  unclear,  ///< joining, in an open chain, folded, its CPU boots or is not there
+  hung,     ///< its network controller relays, its CPU does not answer
+  down      ///< not heard, alone, or with a duplicate id
+};
+
+Condition condition_of(const config::NodeConfig& node, const RingStatus& ring);
+std_msgs::ColorRGBA colour_of(Condition condition, float alpha = 1);
+std_msgs::ColorRGBA colour(float red, float green, float blue, float alpha = 1);
 
 }  // namespace limb_ring::bridge

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -16,10 +17,38 @@
 
 #include "io/wall_clock.h"
 #include "limb_ring/host_port.h"
-#include "ros_bridge/periodic_calls.h"
+#include "ring/launched_ring.h"
 #include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
+
+/// Calls that come back once in each of their periods, at absolute deadlines of a clock whose time is given. A late one
+/// is called once; what it has missed is left out, not made up for: nobody wants old states in a burst.
+class PeriodicCalls {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  using Duration = Time::duration;
+
+  /// @param phase so long after the multiples of the period since the clock's zero; none: the periods begin now
+  void add(Duration period, std::optional<Duration> phase, std::function<void()> call, Time now);
+  /// The clock is another one from now on.
+  void restart(Time now);
+  /// The first deadline; Time::max() where there is no call.
+  Time next_due() const;
+  /// Calls what is due.
+  void run(Time now);
+
+ private:
+  struct Call {
+    Duration period;
+    std::optional<Duration> phase;
+    std::function<void()> call;
+    Time due;
+  };
+  static Time first_due(const Call& call, Time now);
+
+  std::vector<Call> calls_;
+};
 
 /// A packet on its way out.
 struct Outgoing {
@@ -149,5 +178,23 @@ class RingPort {
   int wake_ = -1;
   std::thread thread_;
 };
+
+/// Does what a service was called for. Whatever goes wrong becomes the answer: a service that just fails gives its
+/// caller no reason. @return true, as ROS wants it of a service that has answered
+template <typename Response, typename Call>
+bool answered(RingPort& port, Response& response, Call call) {
+  const RingPort::TimeGoesOn time_goes_on(port);  // even if it is held for a controller, as calls take ring time
+  try {
+    response.success = true;
+    call();
+  } catch (const HostPortTimeout& late) {
+    response.success = false;
+    response.message = live::with_standing_clock(late.what(), port.ring());
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;
+}
 
 }  // namespace limb_ring::bridge

@@ -4,9 +4,8 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "config/load_ring.h"
-#include "ros_bridge/frame_names.h"
-#include "ros_bridge/held_joints.h"
-#include "ros_bridge/limb_marks.h"
+#include "ros_bridge/frames_out.h"
+#include "ros_bridge/gait.h"
 #include "ros_bridge/node_main.h"
 #include "ros_bridge/parameters.h"
 #include "ros_bridge/ring_picture.h"

@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "limb_ring/ring_directory.h"
-#include "ring/lock_files.h"
-#include "ros_bridge/json_number.h"
+#include "ring/ring_files.h"
 #include "ros_bridge/status_conversion.h"
 #include "wire/control_message.h"
 

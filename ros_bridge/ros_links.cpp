@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "ros_bridge/master_state.h"
+#include "ros_bridge/two_names.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "io/program.h"
-#include "io/temporary_folder.h"
+#include "io/regular_file.h"
 
 namespace limb_ring::bridge {
 

@@ -1,19 +1,103 @@
 #pragma once
 
+#include <limb_ring/ClearFaults.h>
+#include <limb_ring/InjectFault.h>
+#include <limb_ring/ListFaults.h>
 #include <limb_ring/ResetNode.h>
+#include <limb_ring/Resume.h>
 #include <limb_ring/SendInterrupt.h>
 #include <limb_ring/Stop.h>
+#include <ros/callback_queue.h>
+#include <ros/duration.h>
 #include <ros/ros.h>
 
+#include <chrono>
+#include <cstdint>
+#include <future>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "config/ring_config.h"
-#include "ros_bridge/call_threads.h"
+#include "ring/known_stops.h"
+#include "ring/live_faults.h"
+#include "ring/status_rows.h"
 #include "ros_bridge/command_in.h"
-#include "ros_bridge/fault_services.h"
-#include "ros_bridge/resume_service.h"
+#include "ros_bridge/ring_port.h"
+#include "ros_bridge/two_names.h"
 
 namespace limb_ring::bridge {
+
+/// Services that are called by threads of their own. (ours)
+class CallThreads {
+ public:
+  /// @param nodes of their short names
+  /// @param threads so many calls are served at a time, the others wait
+  CallThreads(const ros::NodeHandle& nodes, unsigned threads)
+      : nodes_(nodes), threads_(threads, &queue_), names_(on_own_queue()) {}
+
+  /// Where services are advertised. @pre not yet started
+  TwoNames& names() { return names_; }
+  void start() { threads_.start(); }
+  /// Returns when the calls under way have ended; there are no further ones.
+  void stop() {
+    names_.shutdown();
+    threads_.stop();
+  }
+
+ private:
+  const ros::NodeHandle& on_own_queue() {
+    nodes_.setCallbackQueue(&queue_);
+    return nodes_;
+  }
+
+  ros::CallbackQueue queue_;
+  ros::NodeHandle nodes_;
+  ros::AsyncSpinner threads_;
+  TwoNames names_;
+};
+
+/// `inject_fault`, `clear_faults`, `list_faults`: what `ringctl fault` does, for the whole ring as far as its
+/// daemons run on this host. A call returns when it has taken effect, or by a deadline; what went wrong is
+/// in its message.
+class FaultServices {
+ public:
+  /// @param own the bridge's node
+  FaultServices(TwoNames& names, const config::RingConfig& ring, const std::string& own, RingPort& port);
+
+ private:
+  bool inject(InjectFault::Request& request, InjectFault::Response& response);
+  bool clear(ClearFaults::Request& request, ClearFaults::Response& response);
+  bool list(ListFaults::Request& request, ListFaults::Response& response);
+  void require_survival(const fault::Fault& fault) const;
+
+  fault::RingNodes ring_nodes_;
+  std::string own_;
+  RingPort& port_;  ///< its time goes on during a call
+  live::LiveFaults faults_;
+};
+
+/// `resume`: ends the stop that is latched at a node, or at all. The bridge sends it as it sends commands; where that
+/// does not reach a node, another node of this host does.
+class ResumeService {
+ public:
+  /// @param daemon the bridge's, as a tool connects to it
+  ResumeService(TwoNames& names, const config::RingConfig& ring, ConnectOptions daemon, RingPort& port,
+                CommandIn& commands);
+
+ private:
+  bool resume(Resume::Request& request, Resume::Response& response);
+  /// Of these, the ones with joints, and those on this host that say that a stop is latched.
+  std::vector<ask::Resumed> nodes_to_resume(std::uint8_t destination) const;
+  std::future<Result> resume_from_bridge(std::uint8_t node);
+  /// @throw HostPortError
+  Result resume_from(std::uint8_t sender, std::uint8_t node, std::chrono::milliseconds timeout) const;
+
+  const config::RingConfig& ring_;
+  ConnectOptions daemon_;
+  RingPort& port_;  ///< its time goes on during a call
+  CommandIn& commands_;
+};
 
 /// `reset_node`, `send_interrupt`, `stop`, and those of ResumeService and FaultServices, each also under the bridge's
 /// own name.
@@ -41,5 +125,23 @@ class Services {
   std::optional<ResumeService> resume_;
   std::optional<FaultServices> faults_;
 };
+
+/// @name What callers of services write. @throw std::invalid_argument saying what is allowed
+///@{
+
+constexpr std::chrono::seconds kServiceAnswer{10};  ///< a send ends after timeouts.queue and its tries
+
+/// The time-out that was asked for; 0: the usual one. Very short ones are refused: rosservice reads a whole number as
+/// nanoseconds, which nobody means here.
+std::chrono::milliseconds timeout_of(const ros::Duration& asked, std::chrono::seconds usual = kServiceAnswer);
+
+/// Id of a node by id or name.
+std::uint8_t one_node(const config::RingConfig& ring, const std::string& node);
+/// The same, or kBroadcast for "all".
+std::uint8_t destination_of(const config::RingConfig& ring, const std::string& node);
+/// The one of that id or name; all for "all" and where none is named.
+std::vector<ask::Node> nodes_to_ask(const config::RingConfig& ring, const std::string& which = "");
+
+///@}
 
 }  // namespace limb_ring::bridge

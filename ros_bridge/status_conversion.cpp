@@ -1,3 +1,4 @@
+
 #include "ros_bridge/status_conversion.h"
 
 namespace limb_ring::bridge {

@@ -2,10 +2,14 @@
 
 #include <limb_ring/NodeStatus.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "config/ring_config.h"
+#include "limb_ring/host_port.h"
 
 namespace limb_ring::bridge {
 
@@ -19,5 +23,18 @@ void merge_status_row(const nlohmann::json& row, NodeStatus& status);
 /// Fills in what another node has heard in this node's beacons: an entry of that row's `heard`. If the
 /// node's own row is missing, but it was heard no longer than `fresh` ago, its state is `up`.
 void merge_beacon(const nlohmann::json& heard, std::chrono::milliseconds fresh, NodeStatus& status);
+
+/// A member of what a daemon says, where that is a whole number.
+inline std::int64_t number_of(const nlohmann::json& said, const char* member, std::int64_t otherwise) {
+  const auto found = said.find(member);
+  return found != said.end() && found->is_number_integer() ? found->get<std::int64_t>() : otherwise;
+}
+
+/// An outcome as one word, for counters and messages: "no_such_node".
+inline std::string outcome_word(std::string outcome) {
+  std::replace(outcome.begin(), outcome.end(), ' ', '_');
+  return outcome;
+}
+inline std::string outcome_word(Outcome outcome) { return outcome_word(to_string(outcome)); }
 
 }  // namespace limb_ring::bridge

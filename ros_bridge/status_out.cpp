@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "ros_bridge/ring_health.h"
+#include "ros_bridge/node_health.h"
 
 namespace limb_ring::bridge {
 namespace {

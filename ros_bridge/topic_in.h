@@ -1,18 +1,106 @@
 #pragma once
 
+#include <ros/callback_queue.h>
+#include <ros/callback_queue_interface.h>
 #include <ros/ros.h>
 #include <topic_tools/shape_shifter.h>
 
+#include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "ros_bridge/direct_queue.h"
-#include "ros_bridge/publisher_check.h"
-#include "ros_bridge/throttle.h"
 #include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
+
+/// For subscriptions whose messages are taken at once, in the thread of roscpp's that has read them. In roscpp's own
+/// queue a message may be thrown away, where the threads behind it are late, and nobody counts it. (ours)
+/// @pre the callbacks wait for nothing: all of this process that comes by TCP is read by that one thread
+class DirectQueue : public ros::CallbackQueueInterface {
+ public:
+  void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override { callback->call(); }
+  void removeByID(std::uint64_t) override {}
+};
+
+/// Whether all publishers of a topic of any type are connected to its subscription. (ours)
+///
+/// roscpp takes type and definition of the first publisher for those of the subscription, and publishers with others
+/// refuse it: nobody is told. So a subscription that had a publisher and has none any more is made anew; it takes any
+/// type again. Where a publisher is there and not connected while others are, a person has to be told.
+class PublisherCheck {
+ public:
+  enum class Verdict { well, renew, warn };
+
+  /// Any thread: the subscription has a type.
+  void heard() { has_type_ = true; }
+  /// Something may have changed since the last look, or is not yet clear. What is not seen from here, such as a further
+  /// publisher of another type, is left to a look now and then.
+  bool wants_look(unsigned connected) {
+    if (connected > 0) has_type_ = true;
+    return connected != connected_ || (connected == 0 && has_type_) || (missing_ > 0 && !warned_);
+  }
+  /// @param published nodes that publish it, as far as the master knows
+  /// @param connected those that are connected
+  /// @return renew: the subscription is to be made anew; warn: tell a person, once
+  Verdict look(unsigned published, unsigned connected) {
+    connected_ = connected;
+    missing_ = published > connected ? missing_ + 1 : 0;
+    if (missing_ == 0) warned_ = false;
+    alone_ = connected == 0 && (published > 0 || has_type_) ? alone_ + 1 : 0;
+    if (alone_ >= kLooks) {
+      alone_ = missing_ = 0;
+      has_type_ = false;
+      return Verdict::renew;
+    }
+    if (connected == 0 || missing_ < kLooks || std::exchange(warned_, true)) return Verdict::well;
+    return Verdict::warn;
+  }
+
+ private:
+  // A publisher that has just come is not yet connected, and of one that has just gone messages may still wait.
+  static constexpr unsigned kLooks = 2;
+
+  std::atomic<bool> has_type_{false};
+  unsigned connected_ = 0;  ///< at the last look
+  unsigned missing_ = 0;    ///< looks in a row at which a publisher was there, and not connected
+  bool warned_ = false;     ///< of those
+  unsigned alone_ = 0;      ///< looks in a row at which none was connected, though there is or was one
+};
+
+/// Lets one warning through per period, by the steady clock: roscpp's own throttled warnings
+/// stay silent under use_sim_time while /clock does.
+class Throttle {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Throttle(Clock::duration period) : period_(period) {}
+  /// @return how many were held back since one was let through; nothing: this one is, too
+  std::optional<std::uint64_t> allow(Clock::time_point now = Clock::now()) {
+    if (now < next_) {
+      ++held_back_;
+      return std::nullopt;
+    }
+    next_ = now + period_;
+    return std::exchange(held_back_, 0);
+  }
+
+ private:
+  Clock::duration period_;
+  Clock::time_point next_{};
+  std::uint64_t held_back_ = 0;
+};
+
+/// "; 41 more since the last such line": the end of a line that was let through; "" where nothing was held back.
+inline std::string and_more(std::uint64_t held_back) {
+  return held_back == 0 ? "" : "; " + std::to_string(held_back) + " more since the last such line";
+}
 
 /// A ROS topic of any type, subscribed here and sent to the node the configuration names. Its type may change:
 /// the publisher may be replaced by one of another type or definition, which would refuse a subscription of roscpp's
@@ -54,6 +142,26 @@ class TopicIn {
   DirectQueue at_once_;
   ros::SubscribeOptions options_;
   ros::Subscriber subscriber_;  ///< after the constructor look()'s thread alone; last: its callback uses the others
+};
+
+/// Asks the master how many publish the topics of each TopicIn: once a second where one wants to know, else every ten
+/// seconds, since the master has more to do than to answer this. In a thread of its own, since a master that is out of
+/// reach does not answer for minutes, and the other threads are the CPU's.
+class PublisherLook {
+ public:
+  /// @param topics outlive this
+  PublisherLook(const ros::NodeHandle& nodes, const std::vector<std::unique_ptr<TopicIn>>& topics);
+  ~PublisherLook();
+
+ private:
+  void look();
+
+  const std::vector<std::unique_ptr<TopicIn>>& topics_;
+  ros::CallbackQueue queue_;
+  ros::NodeHandle nodes_;
+  ros::AsyncSpinner thread_;
+  ros::SteadyTimer timer_;
+  unsigned passed_over_ = 0;  ///< turns in which nobody was asked
 };
 
 }  // namespace limb_ring::bridge

@@ -2,19 +2,66 @@
 
 #include <ros/ros.h>
 
+#include <condition_variable>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "config/ring_config.h"
 #include "limb_ring/payload/reassembler.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
-#include "ros_bridge/work_thread.h"
 
 namespace limb_ring::bridge {
+
+/// A thread for what may take long, one piece of work after the other.
+class WorkThread {
+ public:
+  WorkThread() : thread_([this] { run(); }) {}
+  WorkThread(const WorkThread&) = delete;
+  WorkThread& operator=(const WorkThread&) = delete;
+  /// Waits for the work under way. What still waits is not done.
+  ~WorkThread() {
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      stopping_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+  }
+  void post(std::function<void()> work) {
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      work_.push_back(std::move(work));
+    }
+    wake_.notify_all();
+  }
+
+ private:
+  void run() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [this] { return stopping_ || !work_.empty(); });
+      if (stopping_) return;
+      const auto work = std::move(work_.front());
+      work_.pop_front();
+      lock.unlock();
+      work();
+      lock.lock();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<std::function<void()>> work_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
 
 /// ROS topics of any type that come over the ring to this node, put together again and published
 /// as they were, byte for byte. A topic is advertised when its type is announced, in a thread of its own: where the

@@ -1,11 +1,9 @@
 #include "client/arguments.h"
 
 #include "limb_ring/host_port.h"
-#include "wire/data_packet.h"
-#include "wire/interrupt_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::client {
-
 namespace {
 
 constexpr std::uint8_t kControlChannel = wire::id_of(wire::Channel::control);
@@ -48,6 +46,11 @@ std::optional<std::string> json_problem(std::string_view json) {
       return "JSON: lists and objects are nested too deep; allowed: " + std::to_string(kMostJsonLevels) + " levels";
   }
   return std::nullopt;
+}
+
+const std::vector<std::string>& event_kinds() {
+  static const std::vector<std::string> kinds{"state", "ring", "link", "noise", "pin", "cpu", "watchdog", "sent"};
+  return kinds;
 }
 
 }  // namespace limb_ring::client

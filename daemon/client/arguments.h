@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "limb_ring/reason.h"
 
@@ -27,5 +28,9 @@ std::optional<Problem> pull_problem(std::uint8_t input);
 constexpr std::size_t kMostJsonLevels = 32;
 /// Looks at the brackets alone: what it passes may still be no JSON.
 std::optional<std::string> json_problem(std::string_view json);
+
+/// All kinds of events that a daemon tells its observers, as an observe filter names them. See "Observing" in
+/// docs/reference/requests.md.
+const std::vector<std::string>& event_kinds();
 
 }  // namespace limb_ring::client

@@ -1,3 +1,4 @@
+
 #include "client/command_filter.h"
 
 namespace limb_ring::firmware {

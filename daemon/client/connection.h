@@ -1,15 +1,41 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <functional>
 #include <string>
+#include <utility>
 
+#include "client/frame.h"
 #include "client/host_message.h"
 #include "client/inbox.h"
-#include "client/meanwhile.h"
-#include "client/pending.h"
-#include "client/unix_socket.h"
 
 namespace limb_ring::client {
+
+/// What a program has to look at while the library waits (ConnectOptions::meanwhile).
+class Meanwhile {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Meanwhile(std::function<void()> call) : call_(std::move(call)) {}
+
+  /// How far a wait until `deadline` goes before the next look().
+  Clock::time_point until(Clock::time_point deadline) const {
+    return call_ ? std::min(deadline, Clock::now() + kPeriod) : deadline;
+  }
+  /// Calls it where the last time is long enough ago. What it throws ends the wait.
+  void look() {
+    if (!call_ || Clock::now() < due_) return;
+    due_ = Clock::now() + kPeriod;
+    call_();
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kPeriod{50};
+
+  std::function<void()> call_;
+  Clock::time_point due_{};
+};
 
 using Clock = std::chrono::steady_clock;
 
@@ -109,5 +135,10 @@ class Connection {
   std::chrono::nanoseconds turn_at_{0};
   std::chrono::nanoseconds last_written_{0};  ///< by now()
 };
+
+/// Finds the daemon's socket (options, environment, the only ring running), connects, greets.
+/// Goes on trying until `deadline` while the daemon is not there yet.
+/// @throw HostPortError
+Connection open_connection(const ConnectOptions& options, Clock::time_point deadline);
 
 }  // namespace limb_ring::client

@@ -1,9 +1,15 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "io/unique_fd.h"
 #include "wire/bytes.h"
 
 namespace limb_ring::client {
@@ -85,5 +91,61 @@ class FieldReader {
 inline std::string_view as_text(wire::ByteView bytes) {
   return {reinterpret_cast<const char*>(bytes.data), bytes.size};
 }
+
+/// Bytes read from a stream and not yet used: a flat run, so that frames can be looked at in
+/// place. Grows to the largest frame seen and stays so.
+class StreamBuffer {
+ public:
+  wire::ByteView view() const { return {bytes_.data() + begin_, end_ - begin_}; }
+  bool empty() const { return begin_ == end_; }
+
+  /// Room for `size` bytes behind the last one; valid until the next call. See added().
+  std::uint8_t* space(std::size_t size) {
+    if (bytes_.size() - end_ < size) make_room(size);
+    return bytes_.data() + end_;
+  }
+  void added(std::size_t size) { end_ += size; }
+  /// @pre size <= view().size
+  void used(std::size_t size) {
+    begin_ += size;
+    if (begin_ == end_) clear();
+  }
+  void clear() { begin_ = end_ = 0; }
+
+ private:
+  void make_room(std::size_t size) {
+    if (begin_ > 0) std::memmove(bytes_.data(), bytes_.data() + begin_, end_ - begin_);
+    end_ -= begin_;
+    begin_ = 0;
+    if (bytes_.size() - end_ < size) bytes_.resize(end_ + size);
+  }
+
+  Bytes bytes_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+};
+
+/// A non-blocking UNIX stream socket, owned. Calls interrupted by a signal go on by themselves.
+class UnixSocket {
+ public:
+  /// Nothing where it failed; `errno` says why.
+  static std::optional<UnixSocket> connect(const std::string& path);
+
+  explicit UnixSocket(process::UniqueFd fd) : fd_(std::move(fd)) {}
+
+  int fd() const { return fd_.get(); }
+
+  enum class Status { done, would_block, closed };
+  /// Appends what has come, at most 64 kB, to `in`.
+  Status read(StreamBuffer& in);
+  /// Writes from the front of `out` on; `written` says how much went.
+  Status write(wire::ByteView out, std::size_t& written);
+  /// Waits for `events` (POLLIN, POLLOUT) until `deadline`.
+  /// @return the events that came, an error or hang-up counting as all; 0 on time-out
+  short wait(short events, std::chrono::steady_clock::time_point deadline) const;
+
+ private:
+  process::UniqueFd fd_;
+};
 
 }  // namespace limb_ring::client

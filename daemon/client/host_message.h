@@ -8,7 +8,7 @@
 
 #include "client/frame.h"
 #include "limb_ring/host_port.h"
-#include "wire/packet_view.h"
+#include "wire/packet_assembler.h"
 
 namespace limb_ring::client {
 
@@ -122,7 +122,7 @@ struct PacketView {
 };
 
 /// A limb_ring::CapturedPacket whose bytes belong to someone else.
-/// | time 64, ns | steady 64, ns | lost before 32 | pseudo-header (wire/pseudo_header.h) | bytes |
+/// | time 64, ns | steady 64, ns | lost before 32 | pseudo-header (wire/pcapng.h) | bytes |
 struct CapturedView {
   std::int64_t time_ns = 0;
   std::uint32_t lost_before = 0;

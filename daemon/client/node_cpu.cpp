@@ -4,7 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "client/command_for.h"
+#include "client/command_filter.h"
 
 namespace limb_ring::firmware {
 namespace {

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "client/unix_socket.h"
+#include "client/frame.h"
 
 namespace limb_ring {
 

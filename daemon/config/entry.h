@@ -1,14 +1,17 @@
 #pragma once
 
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/mark.h>
 #include <yaml-cpp/yaml.h>
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "config/config_error.h"
+#include "config/quantity.h"
 #include "config/ring_config.h"
 #include "config/urdf_joints.h"
 
@@ -81,5 +84,111 @@ struct Member {
   Entry value;
   std::string name;
 };
+
+/// The text of a configuration, as_read() where that is kept. @throw ConfigError where it is no regular file, not
+/// readable, or above 1 MiB
+std::string read_file(const std::string& path);
+
+/// @param name stands for the file in errors
+/// @throw ConfigError where it is not YAML, not one document, or beyond YamlLimits
+YAML::Node parse_yaml(const std::string& text, const std::string& name);
+
+/// "FILE:LINE:COLUMN", counted from 1; FILE alone where the place is not known.
+std::string place_in(const std::string& name, const YAML::Mark& mark);
+
+/// Watches one YAML document while it is parsed, before anything is built of it, and ends the parsing where the
+/// document would be too much: an alias counts as all that it stands for. (ours)
+class YamlLimits final : public YAML::EventHandler {
+ public:
+  static constexpr std::size_t kMostDepth = 64;       ///< lists and maps within each other
+  static constexpr std::size_t kMostValues = 300000;  ///< values, lists, maps and keys together
+
+  /// @param name of the file, for errors. Every call below throws ConfigError where a limit is passed.
+  explicit YamlLimits(std::string name) : name_(std::move(name)) {}
+
+  /// Where the document begins.
+  const YAML::Mark& start() const { return start_; }
+
+  void OnDocumentStart(const YAML::Mark& mark) override { start_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(mark, anchor, {}); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, const std::string&) override {
+    add(mark, anchor, {});
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override;
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    begin(mark, anchor);
+  }
+  void OnSequenceEnd() override { end(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    begin(mark, anchor);
+  }
+  void OnMapEnd() override { end(); }
+
+ private:
+  struct Extent {
+    std::size_t values = 1;
+    std::size_t depth = 0;  ///< lists and maps within each other, this one too
+  };
+  /// A list or map whose end is still to come.
+  struct Open {
+    YAML::Mark mark;
+    YAML::anchor_t anchor;
+    Extent extent;
+  };
+
+  void add(const YAML::Mark& mark, YAML::anchor_t anchor, const Extent& extent);
+  void begin(const YAML::Mark& mark, YAML::anchor_t anchor);
+  void end();
+  void check_depth(const YAML::Mark& mark, std::size_t depth) const;
+  [[noreturn]] void refuse(const YAML::Mark& mark, const std::string& problem) const;
+
+  std::string name_;
+  YAML::Mark start_;
+  std::vector<Open> open_;
+  std::map<YAML::anchor_t, Extent> anchored_;
+};
+
+/// What one option accepts; `allowed` puts it in words for errors and documentation alike.
+struct IntegerRange {
+  std::int64_t least, most;
+};
+struct RealRange {
+  double least, most;
+  const char* unit;
+};
+/// Of a joint, as far as packets carry it (payload/joint_state.h).
+constexpr RealRange kPositions{-2147, 2147, "rad or m"}, kVelocities{0.001, 2147, "rad/s or m/s"},
+    kEfforts{0.001, 2147, "N m or N"};
+struct TimeRange {
+  std::chrono::nanoseconds least, most;
+  std::chrono::nanoseconds grain;  ///< whole multiples of this
+};
+constexpr IntegerRange kReceiveBuffers{1, 65536};
+std::string allowed(const IntegerRange& range);
+std::string allowed(const RealRange& range);
+std::string allowed(const TimeRange& range);
+
+extern const char* const kAllowedRates;
+extern const char* const kAllowedCommands;
+
+/// Each reads one value. @throw ConfigError where it is not what is allowed.
+std::int64_t read_integer(const Entry& entry, const IntegerRange& range);
+double read_real(const Entry& entry, const RealRange& range);
+std::chrono::nanoseconds read_time(const Entry& entry, const TimeRange& range);
+/// bit/s; 0 where `unlimited`.
+std::uint64_t read_rate(const Entry& entry);
+bool read_flag(const Entry& entry);
+/// @return index into `words`.
+std::size_t read_choice(const Entry& entry, const std::vector<std::string>& words);
+std::string read_name(const Entry& entry, bool (*fits)(const std::string&), const char* rule);
+/// Program and arguments: a list of 1 to 64 words, the first not empty.
+std::vector<std::string> read_command(const Entry& entry);
+/// An IPv4 or IPv6 address in numbers, of one interface.
+std::string read_address(const Entry& entry);
+/// A node of this ring, by id or name. `also`: what else the option takes, for the error.
+std::uint8_t read_node(const Entry& entry, const std::string& also = "");
 
 }  // namespace limb_ring::config

@@ -5,8 +5,6 @@
 #include <set>
 #include <sstream>
 
-#include "config/characters.h"
-#include "config/names.h"
 #include "config/quantity.h"
 #include "config/ring_config.h"
 

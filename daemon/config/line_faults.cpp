@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "wire/data_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::fault {
 

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <deque>
 #include <optional>
 #include <random>
 #include <vector>
 
 #include "config/fault.h"
-#include "config/held_slices.h"
-#include "config/line_counters.h"
 #include "core/time.h"
 #include "wire/slice.h"
 
@@ -14,6 +15,89 @@ namespace limb_ring::fault {
 
 using core::Duration;
 using core::Time;
+
+/// Slices that a line holds back, in order. (ours)
+class HeldSlices {
+ public:
+  /// @param byte_time of the line: what was held back goes on no faster
+  explicit HeldSlices(Duration byte_time) : byte_time_(byte_time) {}
+
+  bool empty() const { return slices_.empty(); }
+  std::size_t count() const { return slices_.size(); }
+  /// With the framing.
+  std::size_t bytes() const { return bytes_; }
+  /// The last one that went on is through.
+  bool line_free(Time now) const { return free_at_ <= now; }
+
+  /// @param due when it may go on at the earliest; never before those that are held already
+  void put(wire::SliceKind kind, wire::ByteView bytes, Time due) {
+    slices_.push_back({due, kind, {bytes.begin(), bytes.end()}});
+    bytes_ += size_of(slices_.back());
+  }
+  /// Nothing goes on before `time`.
+  void block_until(Time time) { free_at_ = std::max(free_at_, time); }
+  /// When the next one may go on, kNever if there is none. @param pace least time per byte, beside the line's own
+  Time next(Duration pace) const {
+    if (slices_.empty()) return core::kNever;
+    const Held& first = slices_.front();
+    const auto size = static_cast<std::int64_t>(first.bytes.size());
+    // By its due time a slice has passed at the line's own pace; at a slower pace it only begins then.
+    return std::max({first.due, free_at_ + byte_time_ * size, std::max(first.due, free_at_) + pace * size});
+  }
+  /// The next one goes on. @pre next(pace) is not in the future
+  void take(Duration pace, wire::SliceWriter& out) {
+    free_at_ = next(pace);
+    const Held& first = slices_.front();
+    out.put(first.kind, {first.bytes.data(), first.bytes.size()});
+    bytes_ -= size_of(first);
+    slices_.pop_front();
+  }
+  void clear() {
+    slices_.clear();
+    bytes_ = 0;
+  }
+
+ private:
+  struct Held {
+    Time due;
+    wire::SliceKind kind;
+    std::vector<std::uint8_t> bytes;
+  };
+  static std::size_t size_of(const Held& held) { return wire::kSliceHeaderSize + held.bytes.size(); }
+
+  Duration byte_time_;
+  Time free_at_{};
+  std::deque<Held> slices_;
+  std::size_t bytes_ = 0;
+};
+
+/// What the faults of a line have done to packets: (name, what one count means).
+#define LIMB_RING_LINE_COUNTERS(X)                                                          \
+  X(line_dropped, "packet dropped by a fault of the line")                                  \
+  X(line_corrupted, "packet with one bit made wrong by a fault of the line")                \
+  X(line_truncated, "DATP broken off by a fault of the line")                               \
+  X(line_duplicated, "packet doubled by a fault of the line")                               \
+  X(line_reordered, "packet discarded as late: a fault of the line put it behind the next") \
+  X(line_aborted, "DATP broken off because an INTP inside it was late")                     \
+  X(line_delayed, "packet made later by a fault of the line")                               \
+  X(line_held, "packet that had to wait for a stall, a rate or one before it")              \
+  X(line_full, "packet dropped whole: too much was held back")                              \
+  X(line_cut, "packet lost because a fault had cut the line")                               \
+  X(line_lost, "slice that was held back when its line was cut or replaced")
+
+struct LineCounters {
+#define LIMB_RING_LINE_COUNTER_MEMBER(name, meaning) std::uint64_t name = 0;
+  LIMB_RING_LINE_COUNTERS(LIMB_RING_LINE_COUNTER_MEMBER)
+#undef LIMB_RING_LINE_COUNTER_MEMBER
+
+  /// Calls visit(name, meaning, value) for each, in the order above.
+  template <class Visit>
+  void each(Visit visit) const {
+#define LIMB_RING_LINE_COUNTER_VISIT(name, meaning) visit(#name, meaning, name);
+    LIMB_RING_LINE_COUNTERS(LIMB_RING_LINE_COUNTER_VISIT)
+#undef LIMB_RING_LINE_COUNTER_VISIT
+  }
+};
 
 /// Everything that is wrong with one directed line. It knows no IO: slices go in with the time, slices and a
 /// deadline come out. The same faults, slices, times and seed give the same damage. (ours)

@@ -2,7 +2,8 @@
 
 #include <string>
 
-#include "config/config_error.h"
+#include "config/entry.h"
+#include "config/quantity.h"
 #include "config/ring_config.h"
 
 namespace limb_ring::config {
@@ -15,5 +16,17 @@ RingConfig load_ring(const std::string& path);
 /// The same for YAML in memory. `name` stands for the file in errors.
 /// @throw ConfigError
 RingConfig parse_ring(const std::string& text, const std::string& name);
+
+/// Refuses what no single entry shows: entries that contradict each other.
+/// @param file the whole file, for the place of what is wrong
+/// @throw ConfigError
+void check_ring(const Entry& file, const RingConfig& ring);
+/// The part of it that concerns `hosts`.
+void check_hosts(const Entry& file, const RingConfig& ring);
+
+/// The first node whose line comes from another host and is neither keyed nor meant to be insecure, in words; empty
+/// where there is none. Also for transports that the command line has changed.
+std::string unkeyed_line(const RingConfig& ring);
+extern const char* const kKeyOrInsecure;
 
 }  // namespace limb_ring::config

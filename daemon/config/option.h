@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "config/names.h"
+#include "config/entry.h"
 #include "config/quantity.h"
-#include "config/value_readers.h"
+#include "config/ring_config.h"
 
 namespace limb_ring::config {
 
@@ -142,5 +142,9 @@ Option<T> list_option(const char* name, std::vector<V> T::*member, const Section
             problems.refuse_all();
           }};
 }
+
+/// Every entry of a ring's file with default, what is allowed, and meaning, as Markdown: what
+/// `ringd --options` prints, and config/OPTIONS.md.
+std::string options_markdown();
 
 }  // namespace limb_ring::config

@@ -1,13 +1,15 @@
 #include "config/quantity.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <array>
+#include <boost/locale/utf.hpp>
 #include <charconv>
 #include <cmath>
 #include <locale>
+#include <optional>
 #include <sstream>
-
-#include "config/characters.h"
 
 namespace limb_ring::config {
 namespace {
@@ -173,6 +175,57 @@ std::optional<std::int64_t> parse_integer(const std::string& text) {
   const long double value = scaled->number * unit;
   if (unit == 0 || !(value < 9.2e18L) || value != std::floor(value)) return std::nullopt;
   return static_cast<std::int64_t>(value);
+}
+
+bool are_digits(const std::string& text, std::size_t most) {
+  return !text.empty() && text.size() <= most && std::all_of(text.begin(), text.end(), is_digit);
+}
+
+bool is_plain_text(const std::string& text) {
+  namespace utf = boost::locale::utf;
+  for (auto at = text.begin(); at != text.end();) {
+    const utf::code_point character = utf::utf_traits<char>::decode(at, text.end());
+    const bool control = character < ' ' || (character >= 0x7f && character < 0xa0);
+    if (!utf::is_valid_codepoint(character) || control) return false;
+  }
+  return true;
+}
+
+std::string printable(const std::string& text) {
+  std::size_t end = std::min<std::size_t>(text.size(), 60);
+  const auto goes_on = [&text](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
+  while (end > 0 && end < text.size() && goes_on(end)) --end;  // no character is cut in two
+  std::string shown = text.substr(0, end);
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = '?';
+  return end < text.size() ? shown + "..." : shown;
+}
+
+namespace {
+
+/// An IPv4 address as ::ffff:1.2.3.4, so that it is one address however it is written.
+std::optional<in6_addr> in_numbers(const std::string& text) {
+  in6_addr address{};
+  if (inet_pton(AF_INET6, text.c_str(), &address) == 1) return address;
+  address.s6_addr[10] = address.s6_addr[11] = 0xFF;
+  if (inet_pton(AF_INET, text.c_str(), &address.s6_addr[12]) == 1) return address;
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool is_address(const std::string& text) { return in_numbers(text).has_value(); }
+
+bool is_loopback(const std::string& text) {
+  const auto address = in_numbers(text);
+  if (!address) return false;
+  return IN6_IS_ADDR_V4MAPPED(&*address) ? address->s6_addr[12] == 127 : IN6_IS_ADDR_LOOPBACK(&*address);
+}
+
+bool is_any_interface(const std::string& text) {
+  const auto address = in_numbers(text);
+  if (!address) return false;
+  return IN6_IS_ADDR_V4MAPPED(&*address) ? address->s6_addr32[3] == 0 : IN6_IS_ADDR_UNSPECIFIED(&*address);
 }
 
 }  // namespace limb_ring::config

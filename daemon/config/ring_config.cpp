@@ -1,8 +1,10 @@
 #include "config/ring_config.h"
 
 #include <algorithm>
+#include <numeric>
 
-#include "config/address.h"
+#include "config/load_ring.h"
+#include "config/quantity.h"
 
 namespace limb_ring::config {
 
@@ -95,6 +97,135 @@ bool ring_has_reset_on(const RingConfig& ring, unsigned factor) {
   return std::any_of(ring.nodes.begin(), ring.nodes.end(), [factor](const NodeConfig& node) {
     return factor < node.pins.size() && node.pins[factor].action == PinConfig::Action::reset;
   });
+}
+
+namespace {
+
+/// Letters, digits and `others` alone, 1 to `most` characters.
+bool consists_of(const std::string& name, const std::string& others, std::size_t most) {
+  return !name.empty() && name.size() <= most && std::all_of(name.begin(), name.end(), [&](char c) {
+    return is_letter(c) || is_digit(c) || others.find(c) != std::string::npos;
+  });
+}
+
+/// Levenshtein's distance: insertions, deletions and replacements between two words.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0u);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+bool is_node_name(const std::string& name) { return consists_of(name, "_", 32) && is_letter(name[0]) && name != "all"; }
+
+bool is_host_name(const std::string& name) { return is_part_name(name) && name != "all"; }
+
+bool is_part_name(const std::string& name) { return consists_of(name, "_-.", 64) && is_letter(name[0]); }
+
+bool is_joint_name(const std::string& name) {
+  return consists_of(name, "_-./", 64) && name[0] != '-' && name[0] != '.';
+}
+
+bool is_sensor_name(const std::string& name) { return consists_of(name, "_", 64) && is_letter(name[0]); }
+
+bool is_topic_name(const std::string& name) {
+  if (name.empty() || !(is_letter(name[0]) || name[0] == '/')) return false;
+  const bool tidy = name.find("//") == std::string::npos && name.back() != '/';
+  return tidy && consists_of(name, "_/", 200);
+}
+
+std::string closest(const std::string& word, const std::vector<std::string>& candidates) {
+  if (word.size() > 64) return {};  // no typing error, and the search is quadratic
+  std::string best;
+  // Two edits at least, as two swapped letters are; but some of the word must be left.
+  std::size_t least = std::min(word.size() / 4 + 2, word.size());
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance >= least) continue;
+    least = distance;
+    best = candidate;
+  }
+  return best;
+}
+
+std::string join(const std::vector<std::string>& words, const std::string& between) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : between) + word;
+  return all;
+}
+
+namespace {
+
+LinkConfig::Transport transport_of(const std::string& word) {
+  const auto& words = transport_words();
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) return static_cast<LinkConfig::Transport>(found - words.begin());
+  throw ConfigError("transport: '" + word + "' is unknown; allowed: " + join(words));
+}
+
+NodeConfig plain_node(std::uint8_t id, const LinkConfig& links) {
+  NodeConfig node;
+  node.id = id;
+  node.name = "node" + std::to_string(id);
+  node.link = links;
+  node.link.port = static_cast<std::uint16_t>(links.port + id);
+  return node;
+}
+
+}  // namespace
+
+RingConfig plain_ring(const std::string& ring, unsigned nodes) {
+  if (!is_ring_name(ring)) throw ConfigError("ring: '" + ring + "' is no ring name; allowed: " + kRingNameRule);
+  if (nodes < kFewestNodes || nodes > kMostNodes)
+    throw ConfigError("nodes: '" + std::to_string(nodes) + "' is out of range; allowed: 2 to 255");
+  RingConfig config;
+  config.ring = ring;
+  config.links.port = default_first_port(ring);
+  for (unsigned id = 0; id < nodes; ++id)
+    config.nodes.push_back(plain_node(static_cast<std::uint8_t>(id), config.links));
+  return config;
+}
+
+void apply_transport(RingConfig& ring, const std::string& transport) {
+  ring.links.transport = transport_of(transport);
+  for (NodeConfig& node : ring.nodes) node.link.transport = ring.links.transport;
+  const std::string unkeyed = unkeyed_line(ring);
+  if (!unkeyed.empty()) throw ConfigError(ring.path + ": " + unkeyed + "; allowed: " + kKeyOrInsecure);
+}
+
+void apply_one_host(RingConfig& ring) {
+  if (ring.hosts.empty()) return;
+  ring.hosts.clear();
+  for (NodeConfig& node : ring.nodes) {
+    node.host = 0;
+    node.link.address = LinkConfig{}.address;
+  }
+}
+
+void rename_ring(RingConfig& ring, const std::string& name) {
+  if (!is_ring_name(name)) throw ConfigError("ring: '" + name + "' is no ring name; allowed: " + kRingNameRule);
+  const std::uint16_t before = default_first_port(ring.ring);
+  const std::uint16_t after = default_first_port(name);
+  ring.ring = name;
+  if (ring.links.port != before) return;
+  ring.links.port = after;
+  for (NodeConfig& node : ring.nodes)
+    if (node.link.port == before + node.id) node.link.port = static_cast<std::uint16_t>(after + node.id);
+}
+
+std::uint16_t default_first_port(const std::string& ring) {
+  std::uint32_t hash = 2166136261u;  // FNV-1a: the same number in every process and build
+  for (const char c : ring) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  return static_cast<std::uint16_t>(17000 + hash % 60 * 256);
 }
 
 }  // namespace limb_ring::config

@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "config/quantity.h"
+#include "limb_ring/ring_directory.h"
+
 namespace limb_ring::config {
 
 using std::chrono::microseconds;
@@ -301,5 +304,68 @@ std::optional<std::uint8_t> first_pin(const NodeConfig& node, PinConfig::Action 
 
 /// True where some node has pin `factor` wired to reset: a broadcast of it needs to be forced.
 bool ring_has_reset_on(const RingConfig& ring, unsigned factor);
+
+/// What the names in a configuration may look like (ours), each with its rule in words.
+constexpr const char* kRingNameRule = "1 to 32 letters, digits, '-', '_' and '.', not beginning with '.' or '-'";
+constexpr const char* kNodeNameRule = "a letter, then letters, digits and '_', 32 at most, and not the word 'all'";
+constexpr const char* kHostNameRule =
+    "a letter, then letters, digits, '_', '-' and '.', 64 at most, and not the word 'all'";
+constexpr const char* kPartNameRule = "a letter, then letters, digits, '_', '-' and '.', 64 at most";
+constexpr const char* kJointNameRule =
+    "a letter, a digit, '_' or '/', then letters, digits, '_', '-', '.' and '/', 64 at most";
+constexpr const char* kSensorNameRule = "a letter, then letters, digits and '_', 64 at most";
+constexpr const char* kTopicNameRule =
+    "a ROS topic name, not a private one: a letter or '/', then letters, digits, '_' and '/', 200 at most";
+
+using limb_ring::is_ring_name;
+bool is_node_name(const std::string& name);
+/// A machine that runs nodes.
+bool is_host_name(const std::string& name);
+/// A stream of `traffic` or of a scenario.
+bool is_part_name(const std::string& name);
+/// As robot descriptions have it, with the '/' of ROS names.
+bool is_joint_name(const std::string& name);
+/// A sensor's name is part of its topic's, in which ROS allows neither '-' nor '.'.
+bool is_sensor_name(const std::string& name);
+bool is_topic_name(const std::string& name);
+
+/// The one of `candidates` that `word` was probably meant to be; empty where none is close.
+std::string closest(const std::string& word, const std::vector<std::string>& candidates);
+
+/// "a, b, c"
+std::string join(const std::vector<std::string>& words, const std::string& between = ", ");
+
+/// A ring without a file: ids 0 to nodes-1, names node0 and so on, no CPUs, all else default.
+/// @throw ConfigError where the name is no ring name or `nodes` is not 2 to 255.
+RingConfig plain_ring(const std::string& ring, unsigned nodes);
+
+/// Makes every link of the ring `unix`, `shm` or `udp`, whatever its file says (the command line's transport).
+/// @throw ConfigError for any other word, or where a line would come from beyond its host without a key
+void apply_transport(RingConfig& ring, const std::string& transport);
+
+/// All nodes are on this machine, whatever hosts the file gives: a robot's ring tried out at a desk.
+void apply_one_host(RingConfig& ring);
+
+/// Gives the ring another name (a second ring of one file on a host). UDP ports that came from the
+/// old name move to the new one's.
+/// @throw ConfigError where it is no ring name.
+void rename_ring(RingConfig& ring, const std::string& name);
+
+/// Where a ring's UDP ports begin unless its file says otherwise: id 0 has this one, id n the
+/// n-th after it. Of the ring's name, so that rings side by side on a host do not meet; 17000 to
+/// 32104 in steps of 256, below the ports Linux gives out by itself. (ours)
+std::uint16_t default_first_port(const std::string& ring);
+
+/// When the recordings of a ring are saved by themselves: for `ringctl up`, the daemons do not need it. (ours)
+struct RecorderSaves {
+  std::vector<std::string> when;  ///< of "crash", "break", "promise"; empty: never
+  std::string folder;             ///< absolute; each save is a folder in it
+  unsigned keep = 5;              ///< so many saves of a ring, the newest
+};
+
+/// The entries `recorder.save`, `folder` and `keep` of a ring's file.
+/// @param records whether its nodes record
+/// @throw ConfigError, also where something is to be saved and nothing is recorded
+RecorderSaves load_recorder_saves(const std::string& path, bool records);
 
 }  // namespace limb_ring::config

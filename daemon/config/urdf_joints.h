@@ -43,4 +43,8 @@ struct UrdfJoints {
 ///        with what makes a URDF of it; a joint without a name, two of one, one that mimics nobody or itself
 UrdfJoints parse_urdf(const std::string& text, const std::string& path);
 
+/// `text` as it may stand in XML, in an attribute or between tags. Whatever it holds: each byte that XML does not
+/// allow, or that is no UTF-8, is U+FFFD.
+std::string xml_text(const std::string& text);
+
 }  // namespace limb_ring::config

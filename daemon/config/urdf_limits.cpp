@@ -6,9 +6,9 @@
 #include <set>
 #include <sstream>
 
-#include "config/names.h"
+#include "config/entry.h"
 #include "config/quantity.h"
-#include "config/yaml_file.h"
+#include "config/ring_config.h"
 
 namespace limb_ring::config {
 namespace {

@@ -2,7 +2,6 @@
 
 #include "config/entry.h"
 #include "config/ring_config.h"
-#include "config/value_readers.h"
 
 namespace limb_ring::config {
 

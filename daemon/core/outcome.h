@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "wire/outcome.h"
+#include "wire/packet.h"
 
 namespace limb_ring::core {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/events.h"
-#include "wire/data_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::core {
 

@@ -6,8 +6,7 @@
 
 #include "core/ring_order.h"
 #include "core/time.h"
-#include "wire/data_packet.h"
-#include "wire/interrupt_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::core {
 

@@ -45,4 +45,11 @@ std::uint64_t text_hash(const std::string& text) {
   return hash;
 }
 
+std::string to_string(const Endpoint& endpoint) {
+  if (endpoint.transport != Endpoint::Transport::udp) return endpoint.path;
+  return endpoint.address + ":" + std::to_string(endpoint.port);
+}
+
+std::uint64_t ring_hash(const std::string& name) { return text_hash(name); }
+
 }  // namespace limb_ring::link

@@ -1,17 +1,36 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 
 #include "io/admission.h"
+#include "io/input.h"
 #include "io/link_header.h"
 #include "io/seal.h"
-#include "io/sequence_check.h"
-#include "io/silence.h"
 #include "io/udp_socket.h"
-#include "io/upstream.h"
 
 namespace limb_ring::link {
+
+/// Discards what comes late or twice on a line that may reorder or double datagrams. (ours, protocol.md section 6.7)
+class SequenceCheck {
+ public:
+  struct Arrival {
+    bool fresh;          ///< false: lower or equal to one already seen; discard
+    std::uint32_t lost;  ///< so many before this one are missing
+  };
+  /// A session's first number is 1. Numbers wrap.
+  Arrival check(std::uint32_t sequence) {
+    const std::uint32_t ahead = sequence - next_;
+    if (ahead >= 0x80000000u) return {false, 0};
+    next_ = sequence + 1;
+    return {true, ahead};
+  }
+  void restart() { next_ = 1; }
+
+ private:
+  std::uint32_t next_ = 1;
+};
 
 /// What the receiving end of a UDP line makes of datagrams, and what it answers. Knows no socket: who has one hands in
 /// what comes and the time, and sends what it is given. A connect is answered with the offer of a session; the first

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "io/throw_errno.h"
+#include "io/unique_fd.h"
 
 namespace limb_ring::process {
 

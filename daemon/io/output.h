@@ -1,21 +1,118 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
-#include "io/downstream.h"
-#include "io/endpoint.h"
+#include "io/agreement.h"
+#include "io/input.h"
 #include "io/link_counters.h"
-#include "io/refusals.h"
-#include "io/report_once.h"
-#include "io/silence.h"
-#include "io/successor.h"
+#include "io/link_header.h"
 #include "io/ticker.h"
+#include "wire/slice.h"
 
 namespace limb_ring::link {
+
+/// One connection to a candidate for our downstream neighbour, from the first attempt on. Calls
+/// its owner from the event loop only, never from within a call, and not after close().
+class Downstream {
+ public:
+  /// Headers of the other end that are read in a row, before others get their turn; a node sends a few in a second.
+  static constexpr int kMostHeaders = 64;
+  /// Bytes that may wait for the socket. Far above what one batch brings: the Packet Manager writes only while nothing
+  /// waits.
+  static constexpr std::size_t kMostWaiting = 1 << 20;
+
+  /// `candidate` is its index in OutputSettings::candidates.
+  struct Owner {
+    virtual void on_accepted(std::size_t candidate) = 0;
+    virtual void on_refused(std::size_t candidate, const LinkHeader& refuse) = 0;
+    /// As on_refused, but the sender has not proved who it is: for people only, nothing else follows from it.
+    virtual void on_hint(std::size_t candidate, const LinkHeader& refuse) = 0;
+    virtual void on_no_node(std::size_t candidate) = 0;  ///< what is there answers, but is no node of the ring
+    virtual void on_ended(std::size_t candidate, std::string_view reason) = 0;
+    virtual void on_heard(std::size_t candidate) = 0;    ///< it says that it is alive
+    virtual void on_drained(std::size_t candidate) = 0;  ///< nothing waits inside any more
+
+   protected:
+    ~Owner() = default;
+  };
+
+  virtual ~Downstream() = default;
+  /// @return false: nobody is there; no call follows.
+  virtual bool start() = 0;
+  /// Whole framed slices. What the socket does not take waits inside, up to a limit, beyond
+  /// which the line counts as ended.
+  virtual void write(wire::ByteView slices) = 0;
+  /// A slice to be sent after the next one, with its own sequence number: it arrives late.
+  /// @return false: not possible on this line, or not now; nothing was taken.
+  virtual bool hold_back(wire::ByteView) { return false; }
+  virtual bool drained() const = 0;
+  /// Says that this end lives, though it has nothing to send.
+  virtual void say_idle() {
+    wire::SliceWriter idle;
+    idle.put(wire::SliceKind::idle, {});
+    write(idle.view());
+  }
+  /// Once per `idle`: looks for signs of life of the other end, which alone do not wake this end.
+  virtual void tick() = 0;
+  /// Called now and then until accepted: asks again where questions can get lost.
+  virtual void ask_again() = 0;
+  virtual void close() = 0;
+  /// As close(), but without telling the other end: as when the wire breaks.
+  virtual void sever() { close(); }
+};
+
+/// Chooses whom our output goes to: the nearest living node in ring order (bypass, protocol.md
+/// section 6.9; the rules are ours). No IO: told what happened, it says whom to try next.
+///
+/// Candidates are numbered in ring order, 0 being the configured successor and the last one
+/// ourselves. A candidate is passed over when nobody is there, or when it leaves an attempt
+/// unanswered for `silence`. One that is busy is alive, and nobody beyond a living node is tried:
+/// then our line is cut, and the ring is an open chain.
+class Successor {
+ public:
+  Successor(std::size_t candidates, const Timing& timing, Time now);
+
+  /// The next one to be tried now; it counts as being tried from here on.
+  std::optional<std::size_t> next(Time now);
+
+  void absent(std::size_t candidate, Time now);  ///< nobody there, or no node of this ring
+  void busy(std::size_t candidate, Time now);    ///< alive, with a nearer upstream than us
+  /// It says so itself. Nobody is nearer to the configured successor than we are: if it says so for kBelieved it is
+  /// passed over like one that is not there. @return false: it is not believed any more
+  bool says_busy(std::size_t candidate, Time now);
+  static constexpr std::chrono::seconds kBelieved{10};  ///< longer than a node takes to start
+  /// Is in use from here on. @pre it is nearer than the one that was
+  void accepted(std::size_t candidate, Time now);
+  enum class Loss { ended, silent, replaced };
+  void lost(Loss loss, Time now);  ///< the one in use
+
+  std::optional<std::size_t> current() const { return current_; }
+
+ private:
+  struct Candidate {
+    enum class State { untried, trying, absent, busy } state = State::untried;
+    Time since{};          ///< trying: since when; else: not again before
+    bool missing = false;  ///< was not there when last tried: passed over while tried again
+  };
+
+  std::size_t farthest(Time now) const;
+  bool passed_over(const Candidate& candidate, Time now) const;
+  void set(std::size_t candidate, Candidate::State state, Time since, bool missing = false);
+
+  Timing timing_;
+  std::vector<Candidate> candidates_;
+  std::optional<std::size_t> current_;
+  std::optional<Time> patience_;  ///< at start: the configured successor only, until then
+  Time up_since_{};
+  std::optional<Time> first_busy_since_;  ///< says the configured successor, and nothing else since
+};
 
 /// What an Output reports. Calls come from the event loop, never from inside a call into the
 /// Output. A handler may close() the Output; nothing is called after that.

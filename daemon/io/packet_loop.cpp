@@ -2,12 +2,11 @@
 
 #include <sys/epoll.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <utility>
 
-#include "io/throw_errno.h"
-#include "io/timer_fd.h"
-#include "io/watch_state.h"
+#include "io/unique_fd.h"
 
 namespace limb_ring::event_loop {
 namespace {
@@ -231,6 +230,51 @@ void PacketLoop::let_asio_wait() {
 void PacketLoop::take_from_asio() {
   if (asios_.is_open()) asios_.release();
   asio_waits_ = false;
+}
+
+PacketTimer::PacketTimer(boost::asio::io_context& io, std::function<void()> on_time)
+    : timer_(make_timer()), watch_(io, timer_.get(), EPOLLIN, [call = std::move(on_time)](std::uint32_t) { call(); }) {}
+
+// At least 1 ns: 0 would disarm the timer.
+void PacketTimer::expires_at(std::chrono::steady_clock::time_point when) {
+  const std::chrono::nanoseconds at =
+      std::max(std::chrono::nanoseconds(1), std::chrono::nanoseconds(when.time_since_epoch()));
+  set_timer(timer_.get(), TFD_TIMER_ABSTIME, at, {});
+}
+
+void PacketTimer::cancel() { set_timer(timer_.get(), 0, {}, {}); }
+
+Watch::Watch(boost::asio::io_context& io, int fd, std::uint32_t events, OnReady on_ready, Trigger trigger)
+    : state_(std::make_shared<State>()) {
+  state_->fd = fd;
+  state_->trigger = trigger;
+  state_->events = events;
+  state_->on_ready = std::move(on_ready);
+  PacketLoop::of(io).add(state_);
+}
+
+Watch& Watch::operator=(Watch&& other) noexcept {
+  if (this != &other) stop();
+  state_ = std::move(other.state_);
+  return *this;
+}
+
+void Watch::set_events(std::uint32_t events) {
+  if (state_->events == events) return;
+  state_->events = events;
+  state_->loop->change(state_, EPOLL_CTL_MOD);
+}
+
+void Watch::call_again() {
+  if (std::exchange(state_->again, true)) return;
+  state_->loop->call_later(state_);
+}
+
+void Watch::found_packets() { state_->loop->found_packets(*state_); }
+
+void Watch::stop() {
+  if (!state_ || state_->loop == nullptr) return;
+  state_->loop->remove(std::move(state_));
 }
 
 }  // namespace limb_ring::event_loop

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <sys/timerfd.h>
+#include <unistd.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <chrono>
@@ -10,9 +13,47 @@
 
 #include "io/core_sharing.h"
 #include "io/unique_fd.h"
-#include "io/watch.h"
+#include "wire/bytes.h"
 
 namespace limb_ring::event_loop {
+
+class PacketLoop;
+
+/// A descriptor that packets come through, watched by the PacketLoop until stop() or destruction: it stays in the
+/// loop's epoll set, so that waiting for it again costs nothing.
+class Watch {
+ public:
+  enum class Trigger : std::uint8_t {
+    edge,  ///< calls once for what comes: read until there is nothing left, or ask to be called again
+    level  ///< calls in each turn in which there is something
+  };
+  /// What came: EPOLLIN, EPOLLOUT, EPOLLRDHUP, EPOLLHUP, EPOLLERR; 0 after call_again().
+  using OnReady = std::function<void(std::uint32_t events)>;
+
+  Watch() = default;
+  /// @param fd stays open longer than this watches it
+  /// @param events as epoll_ctl() takes them, without EPOLLET
+  /// @throw std::system_error where the kernel takes no more of them, or `fd` cannot be waited for
+  Watch(boost::asio::io_context& io, int fd, std::uint32_t events, OnReady on_ready, Trigger trigger = Trigger::edge);
+  Watch(Watch&&) noexcept = default;
+  Watch& operator=(Watch&& other) noexcept;
+  ~Watch() { stop(); }
+
+  /// Waits for these events from now on. @pre watching
+  void set_events(std::uint32_t events);
+  /// Calls back in the loop's next turn even if nothing comes; the others get their turn before. @pre watching
+  void call_again();
+  /// Packets have come this way: the loop may look here first, by a call with 0, before it asks the kernel what is
+  /// ready. @pre watching
+  void found_packets();
+  /// No call after this, also not one that is due. May be called from within a call.
+  void stop();
+
+ private:
+  friend class PacketLoop;
+  struct State;
+  std::shared_ptr<State> state_;
+};
 
 /// The part of an event loop that packets pass through, one for each io_context. Its descriptors stay in an epoll set
 /// of its own: a packet costs at most one system call to wait for it, and those that read and write it. Boost.Asio
@@ -101,6 +142,102 @@ class PacketLoop final : public boost::asio::execution_context::service {
   CoreSharing sharing_;
   bool answer_due_ = false;  ///< in this turn
   std::uint64_t turns_ = 0;
+};
+
+/// A timer that is exact while packets pass too, when Asio's may be PacketLoop::kColdPeriod late.
+class PacketTimer {
+ public:
+  /// @throw std::system_error
+  PacketTimer(boost::asio::io_context& io, std::function<void()> on_time);
+
+  /// Calls back once, at `when`; replaces an earlier instant.
+  void expires_at(std::chrono::steady_clock::time_point when);
+  void cancel();
+
+ private:
+  process::UniqueFd timer_;
+  Watch watch_;
+};
+
+/// What a Watch and its loop share. The loop keeps it until the end of the turn in which it was stopped.
+struct Watch::State {
+  PacketLoop* loop = nullptr;  ///< null: stopped
+  int fd = -1;
+  std::uint32_t events = 0;
+  Trigger trigger = Trigger::edge;
+  OnReady on_ready;
+  bool again = false;
+};
+
+/// @throw std::system_error
+inline int make_timer() {
+  const int timer = ::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+  if (timer < 0) process::throw_errno("cannot make a timer");
+  return timer;
+}
+
+/// The timer runs out at `when` (0: never), then every `period` (0: only once). Setting it again forgets that it has
+/// run out, so one without a period need not be read. @param flags TFD_TIMER_ABSTIME, or 0
+inline void set_timer(int timer, int flags, std::chrono::nanoseconds when, std::chrono::nanoseconds period) {
+  const auto spec_of = [](std::chrono::nanoseconds time) {
+    constexpr std::int64_t kSecond = 1'000'000'000;
+    return timespec{time.count() / kSecond, time.count() % kSecond};
+  };
+  const itimerspec spec{spec_of(period), spec_of(when)};
+  ::timerfd_settime(timer, flags, &spec, nullptr);
+}
+
+/// Reads a timer that has run out: one with a period goes on only then.
+inline void tick_again(int timer) {
+  std::uint64_t times;
+  [[maybe_unused]] const auto got = ::read(timer, &times, sizeof times);
+}
+
+/// Bytes a socket has not taken yet, in order, up to a limit.
+class Backlog {
+ public:
+  explicit Backlog(std::size_t limit) : limit_(limit) {}
+
+  bool empty() const { return done_ == bytes_.size(); }
+  std::size_t size() const { return bytes_.size() - done_; }
+  /// In memory: those too that have gone out and are still in front of the others.
+  std::size_t kept() const { return bytes_.size(); }
+  wire::ByteView view() const { return {bytes_.data() + done_, size()}; }
+
+  /// @return false: too much; nothing was added.
+  bool add(wire::ByteView more) {
+    if (size() + more.size > limit_) return false;
+    std::vector<std::uint8_t>& bytes = to_append();
+    bytes.insert(bytes.end(), more.begin(), more.end());
+    return true;
+  }
+  /// For a writer that appends; until the next call. What it has appended may be too much: see is_over_limit().
+  std::vector<std::uint8_t>& to_append() {
+    drop_done();
+    return bytes_;
+  }
+  bool is_over_limit() const { return size() > limit_; }
+  void remove(std::size_t count) {
+    done_ += count;
+    if (empty()) clear();
+  }
+  void clear() {
+    bytes_.clear();
+    done_ = 0;
+  }
+
+ private:
+  /// One that is never empty would grow for ever. Moving the rest to the front is expensive, so it is done only when at
+  /// least as much has gone out.
+  void drop_done() {
+    if (done_ < size()) return;
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(done_));
+    done_ = 0;
+  }
+
+  std::size_t limit_;
+  std::vector<std::uint8_t> bytes_;
+  std::size_t done_ = 0;
 };
 
 }  // namespace limb_ring::event_loop

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "io/unique_fd.h"
+
 namespace limb_ring::process {
 
 /// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 't' stopped by a debugger, 'Z' ended but not
@@ -30,5 +32,41 @@ inline bool is_gone(pid_t pid) {
   const char state = process_state(pid);
   return state == 0 || state == 'Z' || state == 'X';
 }
+
+/// One process, and never another that was given its number later: held by a pidfd where the
+/// kernel has them (5.3 and up), else by its number alone.
+class ProcessHandle {
+ public:
+  enum class By { pidfd, number };
+
+  ProcessHandle() = default;
+  explicit ProcessHandle(pid_t pid, By by = By::pidfd);
+
+  pid_t pid() const { return pid_; }
+  /// -1 where the process is held by its number. Readable once the process has ended.
+  int fd() const { return fd_.get(); }
+  /// True where the process has ended. Held by number, one that ended without being waited for
+  /// still counts as there.
+  bool ended() const;
+  /// @return false where the process is gone or not ours to signal.
+  bool signal(int number) const;
+
+ private:
+  pid_t pid_ = -1;
+  UniqueFd fd_;
+};
+
+/// A pidfd of `pid`; -1 with errno set where the kernel has none or the process is gone.
+int open_pidfd(pid_t pid);
+
+/// Tells systemd that this process is ready, where it was started as a service of Type=notify (NOTIFY_SOCKET is set);
+/// else nothing. As sd_notify(3) has it, whose library this spares us.
+/// @param status a line for `systemctl status`
+void tell_ready(const std::string& status);
+
+/// Empties the file to which standard error is appended, where it lies in that folder and is longer than `most` bytes.
+/// A file of somebody else is left as it is.
+/// @return whether it has emptied it
+bool empty_long_log(const std::string& folder, off_t most);
 
 }  // namespace limb_ring::process

@@ -1,12 +1,20 @@
 #include "io/regular_file.h"
 
 #include <fcntl.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "io/process_state.h"
+#include "io/unique_fd.h"
 
 namespace limb_ring::process {
 namespace {
@@ -57,5 +65,127 @@ std::string text_of_regular(const std::string& path) {
   const UniqueFd file = open_regular(path);
   return file.valid() ? text_of(file) : "";
 }
+
+namespace {
+
+UniqueFd opened(const std::string& path) {
+  const std::string problem = why_not_regular(path);
+  if (!problem.empty()) throw std::runtime_error(problem + ": it cannot be locked; remove it");
+  UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) throw_errno("cannot open " + path);
+  return file;
+}
+
+bool try_lock(int fd) {
+  struct flock whole_file {};
+  whole_file.l_type = F_WRLCK;
+  whole_file.l_whence = SEEK_SET;
+  return ::fcntl(fd, F_OFD_SETLK, &whole_file) == 0;
+}
+
+}  // namespace
+
+// A file that is removed between its opening and its locking is nobody's lock any more.
+std::optional<LockFile> LockFile::take(const std::string& path) {
+  for (;;) {
+    LockFile lock(path, opened(path));
+    if (!try_lock(lock.file_.get())) {
+      if (errno != EAGAIN && errno != EACCES) throw_errno("cannot lock " + path);
+      return std::nullopt;
+    }
+    if (lock.is_in_place()) return lock;
+  }
+}
+
+void LockFile::write(const std::string& text) const {
+  const bool written = ::ftruncate(file_.get(), 0) == 0 &&
+                       ::pwrite(file_.get(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  if (!written) throw_errno("cannot write " + path_);
+}
+
+bool LockFile::is_in_place() const {
+  struct stat ours {
+  }, there{};
+  return ::fstat(file_.get(), &ours) == 0 && ::stat(path_.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+         ours.st_dev == there.st_dev;
+}
+
+void LockFile::remove() const {
+  if (is_in_place()) ::unlink(path_.c_str());
+}
+
+std::string lock_holder(const std::string& path) {
+  pid_t pid = 0;
+  std::istringstream(text_of_regular(path)) >> pid;
+  if (pid <= 0) return "another process";
+  const std::string program = program_of(pid);
+  const std::string text = "pid " + std::to_string(pid);
+  return program.empty() ? text : text + " (" + program + ")";
+}
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kRandomPart = "XXXXXX";
+
+std::string lock_in(const std::string& folder) { return folder + "/owner.lock"; }
+
+bool is_ours(const std::string& folder) {
+  struct stat status {};
+  return ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid();
+}
+
+/// @return nothing where somebody has taken the folder for one that was left behind
+std::optional<LockFile> locked(const std::string& folder) try {
+  return LockFile::take(lock_in(folder));
+} catch (const std::system_error& problem) {
+  if (problem.code() == std::errc::no_such_file_or_directory) return std::nullopt;
+  ::rmdir(folder.c_str());
+  throw;
+}
+
+/// The lock last: whoever is killed in between leaves a folder that the next one removes.
+void remove_folder(const std::string& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (it->path() != lock_in(folder)) fs::remove_all(it->path(), ignored);
+  }
+  ::unlink(lock_in(folder).c_str());
+  ::rmdir(folder.c_str());
+}
+
+// One without the file is just being made, and then made again, or what is left of one.
+void remove_if_left(const std::string& folder) try {
+  if (!is_ours(folder)) return;
+  std::error_code ignored;
+  if (!fs::exists(lock_in(folder), ignored)) {
+    ::rmdir(folder.c_str());
+  } else if (const auto lock = LockFile::take(lock_in(folder))) {
+    remove_folder(folder);
+  }
+} catch (const std::system_error&) {  // it is gone, or stays
+}
+
+void remove_those_left(const std::string& prefix) {
+  std::error_code error;
+  for (fs::directory_iterator it(fs::path(prefix).parent_path(), error), end; !error && it != end; it.increment(error))
+    if (it->path().string().rfind(prefix, 0) == 0) remove_if_left(it->path().string());
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder(const std::string& purpose) {
+  const std::string prefix = (fs::temp_directory_path() / ("limb_ring_" + purpose + '_')).string();
+  remove_those_left(prefix);
+  while (!lock_) {
+    path_ = prefix + kRandomPart;
+    if (::mkdtemp(path_.data()) == nullptr) throw_errno("cannot make a folder " + path_);
+    lock_ = locked(path_);
+  }
+}
+
+TemporaryFolder::~TemporaryFolder() { remove_folder(path_); }
 
 }  // namespace limb_ring::process

@@ -4,10 +4,16 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <initializer_list>
+#include <system_error>
+#include <utility>
 
 #ifndef SYS_close_range
 #define SYS_close_range 436
@@ -16,7 +22,6 @@
 extern char** environ;
 
 namespace limb_ring::process {
-
 namespace {
 
 constexpr unsigned kCloseRangeCloexec = 4;  // CLOSE_RANGE_CLOEXEC, Linux 5.11
@@ -160,5 +165,30 @@ int exec_error(const Spawned& child) {
   if (::read(child.exec_error.get(), &error, sizeof error) != sizeof error) return 0;
   return error;
 }
+
+// open() gives the lowest free number, so each gets its own.
+void open_standard_descriptors() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(fd, F_GETFD) < 0) ::open("/dev/null", O_RDWR);
+}
+
+void outlive_file_limit() { std::signal(SIGXFSZ, SIG_IGN); }
+
+ExitStatus exit_status(int wait_status) {
+  if (WIFSIGNALED(wait_status)) {
+    const int number = WTERMSIG(wait_status);
+    return {true, false, true, "signal " + std::to_string(number) + " (" + ::strsignal(number) + ")", {}};
+  }
+  const int code = WEXITSTATUS(wait_status);
+  return {true, code == 0, false, "exit " + std::to_string(code), code};
+}
+
+ExitStatus unknown_status() { return {true, false, false, "ended, status unknown (SIGCHLD is ignored)", {}}; }
+
+ExitStatus not_executed(const std::string& path, int error) {
+  return not_started("cannot execute " + path + ": " + std::generic_category().message(error));
+}
+
+ExitStatus not_started(std::string why) { return {false, false, false, std::move(why), {}}; }
 
 }  // namespace limb_ring::process

@@ -51,4 +51,30 @@ Spawned spawn_copy(const std::function<int()>& work, int death_signal = SIGKILL)
 /// errno of the exec of a child that has ended; 0 where its program was started.
 int exec_error(const Spawned& child);
 
+/// Opens /dev/null in the place of standard input, output and errors that this process was started without (2>&-):
+/// else a file or socket opened later gets that number, and what is printed goes into it. The first thing in main();
+/// programs started from here have them, too.
+void open_standard_descriptors();
+
+/// Ignores the signal that ends a process whose file gets longer than it may (ulimit -f): writing fails then, and that
+/// is reported. Programs started by spawn() and execute() do not inherit it.
+void outlive_file_limit();
+
+/// How a child ended.
+struct ExitStatus {
+  bool executed = true;  ///< false: the program could not be started at all
+  bool clean = false;    ///< exit 0
+  bool by_signal = false;
+  std::string text;         ///< "exit 3", "signal 9 (Killed)", or why it could not be started
+  std::optional<int> code;  ///< where it ended by exit
+};
+
+/// From what waitpid gives.
+ExitStatus exit_status(int wait_status);
+/// Of one that somebody else has waited for: the kernel, where SIGCHLD is ignored.
+ExitStatus unknown_status();
+/// The program at `path` could not be executed.
+ExitStatus not_executed(const std::string& path, int error);
+ExitStatus not_started(std::string why);
+
 }  // namespace limb_ring::process

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "io/shared_timer.h"
-
 namespace limb_ring::event_loop {
 
 boost::asio::execution_context::id SharedTimers::id;

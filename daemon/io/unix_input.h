@@ -5,12 +5,10 @@
 #include <vector>
 
 #include "io/admission.h"
-#include "io/memory_stream.h"
-#include "io/pending_connection.h"
-#include "io/silence.h"
+#include "io/input.h"
+#include "io/memory_line.h"
 #include "io/ticker.h"
 #include "io/unix_listener.h"
-#include "io/upstream.h"
 
 namespace limb_ring::link {
 

@@ -1,14 +1,37 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "core/network_controller.h"
-#include "judge/lines_ahead.h"
-#include "judge/record_layout.h"
-#include "judge/record_writer.h"
+#include "io/mapped_file.h"
+#include "judge/record.h"
 
 namespace limb_ring::recorder {
+
+/// Fetches the memory that is written next into the caches. A recorder comes around to memory that is in none of them:
+/// without this, each line that it writes waits for its old bytes. (ours)
+class LinesAhead {
+ public:
+  /// Nothing was fetched behind `written`.
+  explicit LinesAhead(const std::uint8_t* written) : fetched_(written) {}
+  /// @param written up to there, and not less than before
+  /// @param left bytes that may be written behind it
+  void fetch(const std::uint8_t* written, std::size_t left) {
+    if (left < kAhead) return;
+    for (const std::uint8_t* const end = written + kAhead; fetched_ < end; fetched_ += kLine)
+      __builtin_prefetch(fetched_, 1);
+  }
+
+ private:
+  static constexpr std::size_t kAhead = 2048;  ///< bytes: some packets, as memory takes a while
+  static constexpr std::size_t kLine = 64;     ///< bytes of a line; if they are more, it is fetched twice
+
+  const std::uint8_t* fetched_;
+};
 
 /// Writes down all that goes into a network controller and comes out of it, into memory of a fixed size: the newest
 /// stays. No system call, and of packets that only pass no copy of their data. (ours)
@@ -61,5 +84,40 @@ class FlightRecorder final : public core::Journal {
   std::function<void()> on_too_small_;
   core::Journal* next_ = nullptr;
 };
+
+/// A flight recorder whose memory is a file: what it has written is there after the process was killed. (ours)
+class RecorderFile {
+ public:
+  /// An existing file, of the node's previous life, is renamed to `path` + ".former"; where this throws, it stays.
+  /// @param size bytes of the file, at least FlightRecorder::kLeast
+  /// @param on_too_small see FlightRecorder
+  /// @throw std::system_error where it cannot be made
+  RecorderFile(const std::string& path, std::size_t size, core::NetworkController& controller, const Title& title,
+               core::Time now, std::function<void()> on_too_small);
+
+  /// See FlightRecorder.
+  void set_next(core::Journal* next) { recorder_.set_next(next); }
+  /// False where it was removed from its folder, or cut off: what is recorded is lost.
+  bool is_in_place() const;
+
+ private:
+  std::string path_;
+  process::MappedFile memory_;
+  FlightRecorder recorder_;
+};
+
+/// Where the node of that id records, in its ring's runtime folder.
+std::string recording_of(const std::string& folder, unsigned id);
+
+/// Names of the recordings in a ring's runtime folder, also of dead nodes: of each node's last life and the one before
+/// it, "5.record" and "5.record.former".
+std::vector<std::string> recordings_in(const std::string& folder);
+
+/// That recording is of the life before the last.
+bool is_of_former_life(const std::string& recording);
+
+/// Saves one of them, also while its node goes on. @return bytes saved
+/// @throw std::exception says what is wrong
+std::size_t save_file(const std::string& recording, const std::string& to);
 
 }  // namespace limb_ring::recorder

@@ -3,13 +3,54 @@
 #include <array>
 #include <deque>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "core/network_controller.h"
-#include "judge/passed_over.h"
-#include "judge/violation.h"
+#include "judge/promise.h"
+#include "wire/packet.h"
 
 namespace limb_ring::sim {
+
+class Ledger;
+struct Sent;
+
+/// Sends that waited while another send of their node, which should go after them, went onto the line. They are judged
+/// when that instant is over, since results of the same instant are told at its end. (protocol.md section 4.5)
+class PassedOver {
+ public:
+  PassedOver(Ledger& ledger, const Complain& complain) : ledger_(ledger), complain_(complain) {}
+
+  /// @param since when the other one began to leave
+  void note(const Sent& waiting, const Sent& leaving, core::Time since);
+  /// Judges what was noted in instants before `now`.
+  void judge(core::Time now) {
+    if (!noted_.empty()) judge_noted(now);
+  }
+  template <class Archive>
+  void archive(Archive& a) {
+    a("noted", noted_);
+  }
+
+ private:
+  struct Noted {
+    wire::NodeId source;
+    std::uint32_t token;
+    core::Time since;
+    Promise promise;
+    std::string what;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("source", source)("token", token)("since", since)("promise", promise)("what", what);
+    }
+  };
+  void judge_noted(core::Time now);
+
+  Ledger& ledger_;
+  const Complain& complain_;
+  std::vector<Noted> noted_;
+};
 
 /// Who owns what was asked for through a virtual ring.
 constexpr core::Owner kAskedByRing = 0xFFFFFF04;
@@ -170,7 +211,7 @@ class Ledger {
       if (!sent.ended && sent.source_incarnation == sources_[source].incarnation) visit(sent);
   }
 
-  /// All that later events are judged by, for study/explore/state_hash.h; the same in the classes below.
+  /// All that later events are judged by, for study/explored_run.h; the same in the classes below.
   template <class Archive>
   void archive(Archive& a) {
     a("sources", sources_)("forgotten_before", forgotten_before_)("started", started_)("passed_over", passed_over_);

@@ -2,7 +2,6 @@
 
 #include "judge/arrivals.h"
 #include "judge/result_judge.h"
-#include "judge/sends.h"
 
 namespace limb_ring::promises {
 

@@ -5,8 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "judge/abridged.h"
-#include "judge/text_archive.h"
+#include "judge/record.h"
 
 namespace limb_ring::recorder {
 namespace {

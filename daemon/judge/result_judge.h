@@ -1,6 +1,5 @@
 #pragma once
 
-#include "judge/judge_report.h"
 #include "judge/seen_ring.h"
 
 namespace limb_ring::promises {

@@ -4,9 +4,9 @@
 
 #include "limb_ring/payload/joint_state.h"
 #include "limb_ring/payload/packet_type.h"
-#include "node/observe_filter.h"
-#include "node/request_fields.h"
-#include "node/send_owner.h"
+#include "node/observers.h"
+#include "node/requests.h"
+#include "node/session.h"
 
 namespace limb_ring::runtime {
 

@@ -4,8 +4,6 @@
 #include "node/cpu_socket.h"
 #include "node/host_server.h"
 #include "node/observers.h"
-#include "node/packet_observers.h"
-#include "node/promise_observers.h"
 #include "node/requests.h"
 
 namespace limb_ring::runtime {

@@ -12,14 +12,11 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "io/back_off.h"
-#include "io/child_process.h"
-#include "io/find_program.h"
+#include "io/child.h"
 #include "io/node_clock.h"
-#include "io/process_handle.h"
+#include "io/process_state.h"
+#include "io/program.h"
 #include "node/cpu_status.h"
-#include "node/pin_commands.h"
-#include "node/silence_watch.h"
 
 namespace limb_ring::runtime {
 

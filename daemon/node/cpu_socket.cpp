@@ -5,7 +5,6 @@
 #include <algorithm>
 
 namespace limb_ring::runtime {
-
 namespace {
 
 constexpr const char* kReset = "the CPU was reset";

@@ -2,10 +2,18 @@
 
 #include <sys/types.h>
 
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
+#include "io/child.h"
+#include "io/node_clock.h"
 #include "wire/control_message.h"
 
 namespace limb_ring::runtime {
@@ -45,6 +53,81 @@ struct CpuStatus {
   std::uint64_t failed_boots = 0;             ///< children that did not attach in time, or not at all
   std::chrono::milliseconds restart_wait{0};  ///< last time that was waited before a new start
   std::string last_exit;                      ///< "exit 3", "signal 9 (Killed)", "cannot execute ..."
+};
+
+/// Whether the CPU on the host port speaks. One that has promised a word every alive period is silent after three of
+/// them without one, until it speaks again.
+class SilenceWatch {
+ public:
+  using Time = event_loop::NodeClock::Time;
+  using milliseconds = std::chrono::milliseconds;
+
+  /// @param on_silent called when it falls silent
+  SilenceWatch(event_loop::NodeClock& clock, std::function<void()> on_silent);
+
+  /// A CPU has come, which counts as a word. @param alive_period promised by it; 0: no promise, so it is never silent
+  void begin(milliseconds alive_period);
+  /// From now on it does not fall silent any more.
+  void end() { timer_->cancel(); }
+  /// @return whether that has ended a silence
+  bool spoke(Time now);
+
+  bool silent() const { return silent_; }
+  milliseconds silent_for() const { return std::chrono::duration_cast<milliseconds>(clock_.now() - spoke_); }
+  milliseconds alive_period() const { return alive_period_; }
+
+ private:
+  Time silent_at() const;
+  void watch();
+  void watch_until(Time when);
+  void time_over();
+
+  event_loop::NodeClock& clock_;
+  std::function<void()> on_silent_;
+  std::unique_ptr<event_loop::Timer> timer_;
+  Time over_at_{};  ///< when timer_ runs out
+  milliseconds alive_period_{0};
+  Time spoke_{};
+  bool silent_ = false;
+};
+
+/// Runs the commands of pins wired to `exec`: side by side, but few, and none for ever. (ours)
+class PinCommands {
+ public:
+  static constexpr std::size_t kAtOnce = 4;
+  /// Shown by status as pin_commands_refused and so on.
+  struct Counters {
+    std::uint64_t refused = 0;    ///< the command is empty, its program is not found, or kAtOnce were running already
+    std::uint64_t failed = 0;     ///< fork or exec failed, or it ended by a signal or with other than exit 0
+    std::uint64_t timed_out = 0;  ///< killed at the deadline (also in `failed`)
+  };
+
+  PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline, process::ProcessHandle::By by);
+
+  /// Starts a command; its output goes to our standard error.
+  /// @return why not; empty where it was started (its end is logged and counted).
+  std::string run(const std::vector<std::string>& command, process::SpawnRequest request);
+  /// Kills what is running.
+  void stop();
+  const Counters& counters() const { return counters_; }
+
+ private:
+  struct Slot {
+    Slot(boost::asio::io_context& io, process::ProcessHandle::By by) : child(io, by), deadline(io) {}
+    process::ChildProcess child;
+    boost::asio::steady_timer deadline;
+    std::string name;
+  };
+  Slot* free_slot();
+  std::string refuse(std::string why);
+  void start(Slot& slot, const process::SpawnRequest& request);
+  void ended(Slot& slot, const process::ExitStatus& status);
+  void timed_out(Slot& slot);
+
+  std::chrono::milliseconds deadline_;
+  std::array<Slot, kAtOnce> slots_;
+  Counters counters_;
+  std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by queued handlers
 };
 
 }  // namespace limb_ring::runtime

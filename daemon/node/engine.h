@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "core/network_controller.h"
-#include "io/machine_clock.h"
+#include "io/node_clock.h"
 #include "io/packet_loop.h"
-#include "io/packet_timer.h"
-#include "judge/recorder_file.h"
-#include "node/clock.h"
+#include "judge/flight_recorder.h"
 #include "node/link_settings.h"
 #include "node/node_driver.h"
 #include "node/node_line.h"

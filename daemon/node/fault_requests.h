@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "config/ring_config.h"
 #include "node/faults.h"
@@ -28,5 +30,14 @@ void list_faults(const FaultTargets& to, const nlohmann::json& request, const An
 void remove_fault(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
 void clear_faults(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
 ///@}
+
+/// `allow`, `pace`, `pause`, `run`, `step`, `went_on_without`: answers one of these. @return false where it is none of
+/// them
+/// @param clock null on a live ring @throw RequestError
+bool answer_clock_request(ClockControl* clock, const std::string& what, const nlohmann::json& request,
+                          const Answer& answer);
+
+/// What a virtual clock says of itself, into the answer to `clock`.
+void add_state(const ClockControl& clock, nlohmann::json& answer);
 
 }  // namespace limb_ring::runtime

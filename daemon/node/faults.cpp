@@ -1,9 +1,13 @@
 #include "node/faults.h"
 
 #include <algorithm>
+#include <csignal>
 #include <set>
 
-#include "node/wait_until.h"
+#include "io/process_state.h"
+#include "node/realtime.h"
+#include "node/rejected_pause.h"
+#include "node/session.h"
 
 namespace limb_ring::runtime {
 
@@ -226,5 +230,127 @@ json Faults::list() {
 }
 
 std::uint64_t Faults::cpu_hits(Name fault) const { return fault == Name::babble ? cpu_.babbled() : 1; }
+
+namespace {
+
+/// Signals take effect in an instant.
+constexpr std::chrono::milliseconds kPatience{10'000};
+/// What a reset may take beside the boot: the old process has to go, and an owner to start the new one.
+constexpr std::chrono::milliseconds kUntilStarted{5'000};
+
+}  // namespace
+
+void CpuFaults::wait(std::function<bool()> condition, const std::string& otherwise, const Done& done) {
+  wait_until(io_, alive_, std::move(condition), kPatience, [otherwise, done](bool met) { done(met ? "" : otherwise); });
+}
+
+void CpuFaults::hang(const Done& done) {
+  const pid_t pid = cpu_.status().pid;
+  const CpuActionResult sent = cpu_.signal(SIGSTOP);
+  if (!sent.done) return done(sent.message);
+  stopping_ = pid;
+  const auto stopped = [this, pid] {
+    if (process::is_stopped(pid) || process::is_gone(pid)) stopping_ = -1;
+    return stopping_ != pid;  // also if wake() was called meanwhile
+  };
+  wait(stopped, "pid " + std::to_string(pid) + " does not stop", done);
+}
+
+// SIGCONT follows because a stopped process acts on a signal only when it continues.
+void CpuFaults::crash(const Done& done) {
+  const pid_t pid = cpu_.status().pid;
+  const CpuActionResult sent = cpu_.signal(SIGSEGV);
+  if (!sent.done) return done(sent.message);
+  cpu_.signal(SIGCONT);
+  wait([pid] { return process::is_gone(pid); }, "pid " + std::to_string(pid) + " lives on: it catches SIGSEGV", done);
+}
+
+void CpuFaults::reset(const Done& done) {
+  const CpuStatus before = cpu_.status();
+  if (before.state == wire::CpuState::none) return done("no CPU is there");
+  const CpuActionResult report = cpu_.reset("fault");
+  if (!report.done) return done(report.message);
+  if (!report.comes_back) return done("");
+  const auto has_booted = [this, before] { return cpu_.status().boots > before.boots; };
+  const auto is_over = [this, has_booted, before] {
+    return has_booted() || cpu_.status().failed_boots > before.failed_boots;
+  };
+  const auto patience = cpu_boot_ + kUntilStarted;
+  wait_until(io_, alive_, is_over, patience, [this, has_booted, patience, done](bool in_time) {
+    if (has_booted()) return done("");
+    done("the CPU has not booted again" +
+         (in_time ? ": " + cpu_.status().last_exit : " within " + std::to_string(patience.count()) + " ms"));
+  });
+}
+
+void CpuFaults::wake(const Done& done) {
+  const pid_t pid = cpu_.status().pid;
+  if (!hangs()) return done("");
+  stopping_ = -1;
+  cpu_.signal(SIGCONT);
+  wait([pid] { return !process::is_stopped(pid); },
+       "pid " + std::to_string(pid) + " does not go on (does a debugger hold it?)", done);
+}
+
+void CpuFaults::read_on() {
+  cpu_.read_throttle().as_fast_as_it_can();
+  cpu_.hand_over();
+  driver_.pump();
+}
+
+bool CpuFaults::hangs() const {
+  const pid_t pid = cpu_.status().pid;
+  return pid > 0 && (pid == stopping_ || process::is_stopped(pid));
+}
+
+namespace {
+
+constexpr core::Owner kBabblingOwner = SendOwner::of(SendOwner::Kind::babbling_cpu).to_core();
+
+}  // namespace
+
+void BabblingCpu::start(std::chrono::nanoseconds period) {
+  stop();
+  period_ = period;
+  on_ = true;
+  first_token_ = next_token_;
+  sent_ = 0;
+  // One goes onto the ring, the others fill the queue, and the last is rejected: the queue is full from the start.
+  const unsigned at_once = period.count() == 0 ? driver_.controller().settings().send_queue + 2 : 1;
+  for (unsigned i = 0; i < at_once; ++i) send();
+  driver_.pump();
+}
+
+void BabblingCpu::stop() {
+  if (!on_) return;
+  on_ = false;
+  next_->cancel();
+  driver_.controller().cancel(kBabblingOwner, driver_.now());
+  driver_.pump();
+}
+
+void BabblingCpu::send() {
+  wire::store_u32(data_.data(), next_token_);  // no two alike
+  core::SendRequest request;                   // of the highest priority, to all
+  request.owner = kBabblingOwner;
+  request.token = next_token_++;
+  request.destination = wire::kBroadcast;
+  request.data = {data_.data(), data_.size()};
+  driver_.controller().send(request, driver_.now());
+}
+
+void BabblingCpu::send_next() {
+  if (!on_) return;
+  send();
+  driver_.pump();
+}
+
+void BabblingCpu::on_ended(const core::SendEnded& ended) {
+  if (!on_ || ended.token - first_token_ >= next_token_ - first_token_) return;  // of an earlier run
+  ++sent_;
+  const auto pause = pause_after(ended.outcome, period_);
+  if (pause.count() > 0) return next_->expires_at(driver_.clock().now() + pause);
+  send();
+}
 
 }  // namespace limb_ring::runtime

@@ -1,14 +1,90 @@
 #pragma once
 
+#include <array>
+#include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 
 #include "config/fault_parse.h"
-#include "node/cpu_faults.h"
+#include "node/cpu_socket.h"
+#include "node/node_driver.h"
 
 namespace limb_ring::runtime {
+
+/// Sends as a babbling CPU would (a "babbling idiot"): the largest packets, to all, at the highest priority, without
+/// end. The real CPU goes on beside it. (ours)
+class BabblingCpu {
+ public:
+  explicit BabblingCpu(NodeDriver& driver) : driver_(driver), next_(driver.clock().timer([this] { send_next(); })) {}
+
+  /// One packet per `period`, as each has ended; 0: its queue is always full, and what is beyond that is rejected.
+  void start(std::chrono::nanoseconds period);
+  void stop();
+  /// Packets that have ended, in whatever way, since start().
+  std::uint64_t sent() const { return sent_; }
+
+  void on_ended(const core::SendEnded& ended);
+
+ private:
+  void send();
+  void send_next();
+
+  NodeDriver& driver_;
+  std::unique_ptr<event_loop::Timer> next_;
+  std::chrono::nanoseconds period_{0};
+  bool on_ = false;
+  std::uint32_t next_token_ = 1;   ///< each send has its own, by which `ringctl judge` tells them apart
+  std::uint32_t first_token_ = 1;  ///< of this run: results of an earlier one do not count
+  std::uint64_t sent_ = 0;
+  std::array<std::uint8_t, wire::kMaxPayload> data_{};
+};
+
+/// Breaks the node's CPU on purpose, and mends it; the network controller goes on. A process is hit by
+/// signals, whether it is our child or attached; what a CPU reads and sends is changed at its socket. (ours)
+class CpuFaults {
+ public:
+  /// Called once: with an empty text when the action has taken effect, else with the reason why it has not.
+  using Done = std::function<void(const std::string& problem)>;
+
+  /// @param cpu_boot how long a CPU may take to boot (timeouts.cpu_boot)
+  CpuFaults(boost::asio::io_context& io, NodeDriver& driver, CpuSocket& cpu, std::chrono::milliseconds cpu_boot)
+      : io_(io), driver_(driver), cpu_(cpu), cpu_boot_(cpu_boot), babbling_(driver) {}
+
+  /// Stops its process.
+  void hang(const Done& done);
+  /// Ends its process by SIGSEGV, as a wild pointer would.
+  void crash(const Done& done);
+  /// Done when it has booted again, or could not.
+  void reset(const Done& done);
+  void slow(core::Duration per_packet) { cpu_.read_throttle().one_per(per_packet); }
+  void not_reading() { cpu_.read_throttle().not_at_all(); }
+  void babble(std::chrono::nanoseconds period) { babbling_.start(period); }
+
+  /// Its process goes on.
+  void wake(const Done& done);
+  void read_on();
+  void be_quiet() { babbling_.stop(); }
+
+  /// Its process is stopped, by us or by others. True as soon as we have sent SIGSTOP.
+  bool hangs() const;
+  std::uint64_t babbled() const { return babbling_.sent(); }
+  void on_ended(const core::SendEnded& ended) { babbling_.on_ended(ended); }
+
+ private:
+  void wait(std::function<bool()> condition, const std::string& otherwise, const Done& done);
+
+  boost::asio::io_context& io_;
+  NodeDriver& driver_;
+  CpuSocket& cpu_;
+  std::chrono::milliseconds cpu_boot_;
+  BabblingCpu babbling_;
+  pid_t stopping_ = -1;                                     ///< it was sent SIGSTOP, which has not taken effect yet
+  std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by waits
+};
 
 /// What was broken on purpose at this node: the line out of it, and its CPU. Each fault has an id and can be
 /// listed and removed; one that ends by itself leaves the list. (ours)

@@ -1,17 +1,44 @@
 #pragma once
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cstdint>
 #include <map>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "client/arguments.h"
-#include "node/host_handler.h"
-#include "node/listener.h"
+#include "io/regular_file.h"
+#include "io/unix_listener.h"
 #include "node/session.h"
-#include "node/turn_keeper.h"
 
 namespace limb_ring::host {
+
+/// The listening socket DIRECTORY/ID.host, with NAME.host linked to it; both are removed in the
+/// end. What a dead daemon left there is replaced: the caller holds the node's lock.
+class Listener {
+ public:
+  /// @throw std::runtime_error naming the path and what is wrong with it
+  Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id, const std::string& name);
+  ~Listener();
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  event_loop::UnixAcceptor& acceptor() { return socket_.acceptor(); }
+  /// The socket is where it was made, and the name with it.
+  bool is_in_place() const;
+  /// Makes it again, in a folder that is there. @throw std::runtime_error
+  void listen_again();
+  void close();
+
+ private:
+  void link_name() const;
+
+  event_loop::UnixListener socket_;
+  std::string link_;  ///< empty: there is none
+};
 
 /// What happened at a host port; every loss has its counter.
 struct HostCounters {
@@ -153,6 +180,30 @@ class HostServer final : private SessionOwner {
   process::UniqueFd came_while_frozen_;  ///< the next ones wait in the kernel
   /// False once closed: what was posted before must not call the handler then.
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+};
+
+/// Another daemon holds the node; what() says which.
+struct NodeHeld : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Holds a node for one daemon: the lock file DIRECTORY/ID.lock. Its text says who the holder is, and how to
+/// start it again once it is dead: its pid in a line, then, each ended by a null since paths may have line ends,
+/// program, working folder and the arguments. Also has a shared BSD lock of the folder, as tmpfiles.d(5) asks for: then
+/// systemd-tmpfiles leaves what is in there, however old it is.
+class NodeLock {
+ public:
+  /// Waits for 200 ms where somebody holds it, who may be ending.
+  /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming
+  ///        the file and what is wrong with it
+  NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name);
+
+  /// False where its file was removed, so that another daemon can have one of its own.
+  bool is_in_place() const { return file_.is_in_place(); }
+
+ private:
+  std::shared_ptr<process::UniqueFd> folder_;  ///< one for all nodes of this process
+  process::LockFile file_;                     ///< stays when this daemon ends: it says how to start it again
 };
 
 }  // namespace limb_ring::host

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "config/ring_config.h"
 #include "core/line.h"
-#include "io/input_line.h"
+#include "io/agreement.h"
+#include "io/input.h"
 #include "io/output.h"
 
 namespace limb_ring::setup {
@@ -20,4 +24,24 @@ struct LinkSettings {
 std::vector<LinkSettings> link_settings(const config::RingConfig& ring, const config::NodeConfig& node,
                                         const std::string& directory);
 
+/// What all nodes of a ring must agree on, out of its file (protocol.md section 6.13). Not in it, since it may differ
+/// from host to host: transport, addresses and ports, `limits`, `realtime`, `firmware`, `bridge`, the commands of CPUs,
+/// and waits that concern one node alone.
+link::Agreement agreement_of(const config::RingConfig& ring);
+
 }  // namespace limb_ring::setup
+
+namespace limb_ring::config {
+
+/// The key of a ring's UDP lines.
+using KeyBytes = std::array<std::uint8_t, 32>;
+
+/// Reads a key that make_key_file() has made.
+/// @throw ConfigError where it cannot be read, is not ours alone (owner, mode 0600), or holds no key
+KeyBytes read_key_file(const std::string& path);
+
+/// Makes a file of mode 0600 with a new random key: 64 hexadecimal digits and a newline.
+/// @throw ConfigError where there is a file already, or none can be made
+void make_key_file(const std::string& path);
+
+}  // namespace limb_ring::config

@@ -9,24 +9,16 @@
 
 #include "config/ring_config.h"
 #include "node/client_calls.h"
-#include "node/cpu_sightings.h"
 #include "node/cpu_socket.h"
-#include "node/daemon_interrupts.h"
 #include "node/event_router.h"
 #include "node/faults.h"
-#include "node/folder_watch.h"
 #include "node/host_server.h"
 #include "node/node_driver.h"
 #include "node/node_folder.h"
 #include "node/observers.h"
-#include "node/packet_observers.h"
 #include "node/pin_board.h"
-#include "node/promise_observers.h"
 #include "node/requests.h"
-#include "node/ring_supervisor.h"
-#include "node/round_trips.h"
 #include "node/send_reason.h"
-#include "node/traffic.h"
 
 namespace limb_ring::runtime {
 
@@ -107,5 +99,9 @@ class Node {
   Requests requests_;
   FolderWatch folder_watch_;
 };
+
+/// A node that is a process of its own, with links to its neighbours. Call this before the process pins itself to its
+/// cores: its CPU, and the daemon that re_exec() starts in its place, get the cores that the process has now.
+NodeBase daemon_base(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& node);
 
 }  // namespace limb_ring::runtime

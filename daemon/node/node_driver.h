@@ -1,17 +1,35 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "config/line_faults.h"
 #include "core/network_controller.h"
+#include "core/time.h"
+#include "io/input.h"
 #include "io/link_counters.h"
 #include "io/node_clock.h"
-#include "io/refusals.h"
-#include "node/line_breaker.h"
 
 namespace limb_ring::runtime {
+
+/// Breaks the line out of a node on purpose, and mends it. (ours)
+class LineBreaker {
+ public:
+  virtual ~LineBreaker() = default;
+
+  /// As in fault::LineFaults; in effect when they return. Cutting or mending the line may change the node's state.
+  virtual fault::LineFaults::Id begin(const fault::Fault& fault, core::Time now) = 0;
+  virtual bool remove(fault::LineFaults::Id id, core::Time now) = 0;
+  virtual void clear(core::Time now) = 0;
+  virtual std::vector<fault::LineFaults::Listed> list(core::Time now) = 0;
+  virtual const fault::LineCounters& counters() const = 0;
+  /// Nothing more to wait for: the output is connected, or another fault keeps it from that.
+  virtual bool mended() const = 0;
+};
 
 /// What comes out of the network controller. Handlers may call into the controller.
 struct DriverListener {
@@ -111,6 +129,60 @@ class NodeDriver {
   virtual core::Time input_lost_at() const = 0;
   /// When this node learned of a broken line.
   virtual core::Time broken_since() const = 0;
+};
+
+/// The clock of the daemon: CLOCK_MONOTONIC, counted from its start, as the core
+/// wants it. A steady time is rounded up, so that a timer never fires before its deadline.
+class Clock {
+ public:
+  using Steady = std::chrono::steady_clock;
+
+  /// @param start of the time of the core, not after now
+  explicit Clock(Steady::time_point start = Steady::now()) : start_(start) {}
+
+  core::Time now() const { return at(Steady::now()); }
+  core::Time at(Steady::time_point when) const { return core::Time{} + (when - start_); }
+  /// The last instant a steady clock knows (292 years), where `when` is later or kNever.
+  Steady::time_point steady(core::Time when) const {
+    const core::Duration since = when.time_since_epoch();
+    if (since >= Steady::time_point::max() - start_) return Steady::time_point::max();
+    return start_ + core::whole_nanoseconds(since) + std::chrono::nanoseconds(1);
+  }
+
+ private:
+  Steady::time_point start_;
+};
+
+/// What clients may ask of a ring's virtual clock. Nothing here changes what happens on the ring, or at which instant
+/// of its time.
+class ClockControl {
+ public:
+  using nanoseconds = std::chrono::nanoseconds;
+  struct State {
+    nanoseconds now{0};
+    double pace = 1;      ///< the ring's time per real time; infinite: as fast as the machine and the programs are
+    nanoseconds late{0};  ///< behind real time at that pace
+    nanoseconds lost{0};  ///< real time that the machine was too slow for, and that is not made up for
+    bool paused = false;
+    bool follows = false;       ///< it goes on no further than allow() has said
+    nanoseconds allowed{0};     ///< where it follows
+    nanoseconds outer_zero{0};  ///< where it follows: what the outer clock shows at 0 of the ring's
+  };
+
+  virtual ~ClockControl() = default;
+  virtual State state() const = 0;
+  virtual void set_pace(double factor) = 0;
+  virtual void pause() = 0;
+  /// Goes on after a pause.
+  virtual void run() = 0;
+  /// Pauses after another `time`. `done` is called once: when the clock has paused, or another request has replaced
+  /// this one.
+  virtual void step(nanoseconds time, std::function<void()> done) = 0;
+  /// The outer clock has reached `until`, in ns of the ring's time. @return false if this ring follows no outer clock
+  /// @param outer_zero what the outer clock shows at 0 of the ring's
+  virtual bool allow(nanoseconds until, nanoseconds outer_zero) = 0;
+  /// Time has gone on although `whom` should have been waited for, so the run is not repeatable.
+  virtual void went_on_without(const std::string& whom) = 0;
 };
 
 }  // namespace limb_ring::runtime

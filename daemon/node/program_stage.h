@@ -2,18 +2,50 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <cstddef>
+#include <deque>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "node/taken_packets.h"
 #include "node/virtual_ring_host.h"
 #include "sim/invariants.h"
-#include "sim/ring_stage.h"
+#include "sim/scenario.h"
 #include "sim/scenario_run.h"
+#include "sim/stage.h"
 
 namespace limb_ring::program_stage {
+
+/// What a CPU has taken of what its node has given to it. A CPU says so by its credit: the first is what it likes to
+/// have, and each packet it has taken is one more. (docs/reference/host_port.md)
+class TakenPackets {
+ public:
+  /// Of a scenario; nothing: a packet of no send.
+  using Send = std::optional<std::size_t>;
+
+  void given(Send send) { given_.push_back(send); }
+  /// Calls `taken` for each packet of a scenario that has been taken by now.
+  template <class Taken>
+  void credited(unsigned packets, Taken taken) {
+    if (!std::exchange(greeted_, true)) return;
+    for (; packets != 0 && !given_.empty(); --packets) {
+      if (given_.front()) taken(*given_.front());
+      given_.pop_front();
+    }
+  }
+  /// Another CPU takes its place.
+  void clear() {
+    given_.clear();
+    greeted_ = false;
+  }
+
+ private:
+  std::deque<Send> given_;
+  bool greeted_ = false;  ///< the first credit is in
+};
 
 /// The user wants no more of it.
 struct Interrupted : std::runtime_error {
@@ -83,5 +115,20 @@ class ProgramStage final : public scenario::RingStage, private sim::Observer {
   boost::asio::signal_set signals_;
   bool interrupted_ = false;
 };
+
+/// The program that is the CPU of a node for which the ring's file names none.
+struct StandIn {
+  std::string path;         ///< of scenario_cpu
+  bool everywhere = false;  ///< also in place of those that the file names
+};
+
+/// What in a scenario is not possible on a virtual ring with real programs, and why; empty: it can be played there.
+std::vector<std::string> not_with_programs(const scenario::Scenario& scenario);
+
+/// Nodes whose program cannot be found, with what the file names: "knee: no program 'x' ..."; empty: all are there.
+std::vector<std::string> missing_programs(const config::RingConfig& ring);
+
+/// The scenario's ring with a program as the CPU of every node.
+config::RingConfig ring_with_programs(const scenario::Scenario& scenario, const StandIn& stand_in, std::uint64_t seed);
 
 }  // namespace limb_ring::program_stage

@@ -3,9 +3,21 @@
 #include <sched.h>
 #include <spdlog/spdlog.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <boost/asio/steady_timer.hpp>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "io/program.h"
+#include "io/spawn.h"
+#include "node/host_server.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -61,6 +73,76 @@ void keep_on_one_core(const config::RingConfig& ring) {
     pin_to(ring.realtime.cores);
   else if (here >= 0)
     pin_to({static_cast<unsigned>(here)});
+}
+
+namespace {
+
+std::vector<std::string> own_command_line() {
+  std::ifstream file("/proc/self/cmdline");
+  std::vector<std::string> arguments;
+  for (std::string argument; std::getline(file, argument, '\0');) arguments.push_back(argument);
+  return arguments;
+}
+
+}  // namespace
+
+void re_exec(const std::optional<cpu_set_t>& cores) {
+  const std::vector<std::string> arguments = own_command_line();
+  process::close_descriptors_on_exec();
+  if (cores) ::sched_setaffinity(0, sizeof *cores, &*cores);
+  const int error = process::execute("/proc/self/exe", arguments);
+  spdlog::critical("ends: cannot execute this program again: {}", std::generic_category().message(error));
+  ::_exit(1);  // as by kill -9: its CPU is gone already
+}
+
+namespace {
+
+/// Beside its clients: both lines, timers, files, its CPU, and handshakes that are under way.
+constexpr unsigned kOfTheNode = 48;
+
+}  // namespace
+
+std::string too_few_descriptors(const config::RingConfig& ring) {
+  const rlim_t needed = kOfTheNode + ring.limits.clients + host::HostServer::kKeptPlaces;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return "";
+  return "only " + std::to_string(limit.rlim_cur) +
+         " file descriptors may be open (ulimit -n), this node needs up to " + std::to_string(needed);
+}
+
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kLookEvery{2};
+
+struct Wait : std::enable_shared_from_this<Wait> {
+  Wait(boost::asio::io_context& io, std::weak_ptr<void> whose, std::function<bool()> what, steady_clock::time_point end,
+       std::function<void(bool)> tell)
+      : owner(std::move(whose)), condition(std::move(what)), deadline(end), done(std::move(tell)), timer(io) {}
+
+  void poll() {
+    if (owner.expired()) return;
+    if (condition()) return done(true);
+    if (steady_clock::now() >= deadline) return done(false);
+    timer.expires_after(kLookEvery);
+    timer.async_wait([self = shared_from_this()](const auto& error) {
+      if (!error) self->poll();
+    });
+  }
+
+  std::weak_ptr<void> owner;
+  std::function<bool()> condition;
+  steady_clock::time_point deadline;
+  std::function<void(bool)> done;
+  boost::asio::steady_timer timer;
+};
+
+}  // namespace
+
+void wait_until(boost::asio::io_context& io, const std::shared_ptr<void>& owner, std::function<bool()> condition,
+                std::chrono::milliseconds patience, std::function<void(bool)> done) {
+  std::make_shared<Wait>(io, owner, std::move(condition), steady_clock::now() + patience, std::move(done))->poll();
 }
 
 }  // namespace limb_ring::runtime

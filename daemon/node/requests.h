@@ -1,20 +1,22 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "config/ring_config.h"
-#include "node/clock_control.h"
 #include "node/cpu_socket.h"
-#include "node/daemon_interrupts.h"
 #include "node/event_router.h"
 #include "node/fault_requests.h"
 #include "node/node_driver.h"
 #include "node/pin_board.h"
 #include "node/send_reason.h"
 #include "node/status.h"
-#include "node/traffic.h"
 
 namespace limb_ring::runtime {
 
@@ -63,5 +65,50 @@ class Requests {
   Targets to_;
   std::shared_ptr<void> here_ = std::make_shared<char>();  ///< gone with this: a virtual node may die before an answer
 };
+
+/// A request that cannot be done; what() is its answer.
+struct RequestError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// JSON for a client. Bytes that are no UTF-8, as in a path, become U+FFFD.
+std::string text_of(const nlohmann::json& answer);
+
+/// What a client wrote, an object. @param problem says what it should be
+/// @throw RequestError where it is none, or nested too deep
+nlohmann::json object_in(const std::string& text, const char* problem);
+
+/// The first member that is not among these, printable; nothing where all are.
+std::optional<std::string> unknown_member(const nlohmann::json& object, const std::vector<std::string>& known);
+
+/// A whole number within `least` and `most`, `otherwise` where the field is missing.
+/// @throw RequestError naming the field and what is allowed
+std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,
+                        std::uint64_t least, std::uint64_t most);
+
+/// The node a field names, by id or name. @throw RequestError listing the nodes there are
+const config::NodeConfig& node_in(const config::RingConfig& ring, const nlohmann::json& request,
+                                  const std::string& field);
+
+/// As node_in, or every node: "all", or the field is missing. @return its id, or wire::kBroadcast
+std::uint8_t nodes_in(const config::RingConfig& ring, const nlohmann::json& request, const std::string& field);
+
+constexpr const char* kRequestRule = "a request is a JSON object {\"do\": \"...\", ...}";
+
+/// A request that a daemon answers (docs/reference/requests.md).
+struct RequestKind {
+  std::string name;                  ///< its `do`
+  std::vector<std::string> members;  ///< what else it may have
+  bool changes_something;            ///< of the ring; its clock aside
+};
+
+/// All of them, by name.
+const std::vector<RequestKind>& request_kinds();
+
+/// @return that of an object's `do`; null where there is no such request
+const RequestKind* find_request_kind(const nlohmann::json& request);
+
+/// @throw RequestError naming a member that requests of this kind do not take, and those they take
+void require_known_members(const nlohmann::json& request, const RequestKind& kind);
 
 }  // namespace limb_ring::runtime

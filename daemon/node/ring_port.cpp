@@ -3,9 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "limb_ring/ring_directory.h"
-#include "node/clock_requests.h"
-#include "node/request_fields.h"
-#include "node/request_kind.h"
+#include "node/fault_requests.h"
+#include "node/requests.h"
 
 namespace limb_ring::virtual_host {
 

@@ -5,9 +5,9 @@
 
 #include "client/host_message.h"
 #include "config/fault_parse.h"
-#include "node/clock_control.h"
-#include "node/folder_watch.h"
 #include "node/host_server.h"
+#include "node/node_driver.h"
+#include "node/node_folder.h"
 
 namespace limb_ring::virtual_host {
 

@@ -1,7 +1,7 @@
 #include "node/send_reason.h"
 
 #include "config/core_settings.h"
-#include "config/reach.h"
+#include "config/watchdog.h"
 
 namespace limb_ring::runtime {
 namespace {

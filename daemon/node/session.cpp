@@ -11,7 +11,6 @@
 #include "io/unix_socket.h"
 
 namespace limb_ring::host {
-
 namespace {
 
 using process::would_block;

@@ -1,21 +1,133 @@
 #pragma once
 
+#include <sys/types.h>
+
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "client/frame.h"
 #include "client/host_message.h"
-#include "client/stream_buffer.h"
-#include "io/backlog.h"
+#include "core/events.h"
 #include "io/packet_loop.h"
 #include "io/unique_fd.h"
-#include "node/client_turn.h"
-#include "node/host_handler.h"
-#include "node/turn_keeper.h"
+#include "limb_ring/host_port.h"
 
 namespace limb_ring::host {
+
+class Session;
+
+/// Keeps the virtual clock for the clients of a host port that run in lockstep with it.
+class TurnKeeper {
+ public:
+  virtual ~TurnKeeper() = default;
+  /// Of the ring's clock.
+  virtual std::chrono::nanoseconds now() const = 0;
+  /// The CPU of a node has greeted. `attach` is called once, now or when its boot is over in the ring's time.
+  virtual void greeted(std::uint8_t node, std::function<void()> attach) = 0;
+  /// The CPU that has greeted is gone, and was not attached.
+  virtual void left(std::uint8_t node) = 0;
+  /// That CPU is attached, and waits for its first turn.
+  virtual void joined(std::uint8_t node, const std::shared_ptr<Session>& session) = 0;
+  /// Something is there for a client in lockstep.
+  virtual void has_news() = 0;
+  /// A client that the clock does not wait for has changed something.
+  virtual void disturbed() = 0;
+  /// The CPU of a node can take `packets` more packets: the first time its whole window, later as many as it has taken.
+  virtual void credited(std::uint8_t /*node*/, unsigned /*packets*/) {}
+  /// What the CPU of a node does that keeps time from going on, as a sentence without the node; empty: nothing.
+  virtual std::string holds_time(std::uint8_t /*node*/) const { return ""; }
+};
+
+/// The turns of a client in lockstep. It acts while it has its turn, the ring's time stands meanwhile, and it gets its
+/// messages when its next turn begins. Times are of the ring's clock.
+class ClientTurn {
+ public:
+  explicit ClientTurn(TurnKeeper& keeper) : keeper_(keeper) {}
+
+  void begin() {
+    is_on_ = true;
+    has_news_ = false;
+  }
+  /// @param until when it lets time pass, unless there is news
+  void end(std::chrono::nanoseconds until) {
+    is_on_ = false;
+    is_awaited_ = true;
+    next_ = until;
+  }
+  bool is_on() const { return is_on_; }
+
+  /// A message is waiting that the client should get at once.
+  void tell_news() {
+    has_news_ = true;
+    keeper_.has_news();
+  }
+  bool has_news() const { return has_news_; }
+  /// The next turn begins so soon at the latest.
+  void comes_within(std::chrono::nanoseconds time) { next_ = std::min(next_, keeper_.now() + time); }
+  std::chrono::nanoseconds next() const { return next_; }
+
+  /// Whether its messages are read only while somebody waits for them, so that clients acting in the same instant are
+  /// heard in their order. It is so until it has taken too long, and again from the end of that turn.
+  bool is_awaited() const { return is_awaited_; }
+  void await_no_more() { is_awaited_ = false; }
+
+ private:
+  TurnKeeper& keeper_;
+  bool is_on_ = false;
+  bool has_news_ = false;
+  bool is_awaited_ = true;
+  std::chrono::nanoseconds next_ = std::chrono::nanoseconds::max();
+};
+
+using ClientId = std::uint32_t;  ///< never used twice by one server
+
+/// One client of a host port, as it has introduced itself.
+struct ClientInfo {
+  ClientId id = 0;
+  Role role = Role::tool;
+  pid_t pid = 0;  ///< as the kernel says (SO_PEERCRED), not the client
+  bool restarted_by_owner = false;
+  bool results_may_wait = false;
+  bool lockstep = false;                      ///< it acts in its turns alone
+  std::chrono::milliseconds alive_period{0};  ///< 0: no promise
+};
+
+/// What the clients of a host port want of the daemon. Called from the event loop only, never
+/// from inside a call to HostServer; calling HostServer from inside is fine. Arguments are within
+/// their ranges already; what a request points to is valid during the call only.
+class HostHandler {
+ public:
+  virtual ~HostHandler() = default;
+
+  /// A CPU in lockstep has greeted. It is attached when its boot time is over on the ring's clock.
+  virtual void on_greeted(pid_t /*pid*/) {}
+  /// The same CPU is gone, or refused, and was not attached.
+  virtual void on_left(pid_t /*pid*/) {}
+  /// A client has greeted. @return a reason to refuse it
+  virtual std::optional<std::string> on_attach(const ClientInfo& client) = 0;
+  /// A client that was attached is gone. Results for it may still be given; they go nowhere.
+  virtual void on_detach(const ClientInfo& client) = 0;
+  virtual void on_send(ClientId client, const client::SendRequest& request) = 0;
+  virtual void on_interrupt(ClientId client, const client::InterruptRequest& request) = 0;
+  virtual void on_pull(ClientId client, const client::PullRequest& request) = 0;
+  virtual void on_request(ClientId client, const client::JsonRequest& request) = 0;
+  /// Whether such a request changes something, rather than only asking.
+  virtual bool changes_something(const client::JsonRequest&) const { return false; }
+  virtual void on_observe(ClientId client, const client::ObserveRequest& request) = 0;
+  /// A client cannot be let in, for want of descriptors most likely. Called once until one has been.
+  virtual void on_shortage(const std::string& /*why*/) {}
+  /// A sign of life: called for every message of a client, before the message's own call.
+  virtual void on_alive(ClientId client) = 0;
+  /// The CPU can take packets where it could not: HostServer::cpu_can_take() has become true.
+  virtual void on_credit(ClientId client) = 0;
+};
 
 class Session;
 
@@ -152,3 +264,35 @@ class Session : public std::enable_shared_from_this<Session> {
 };
 
 }  // namespace limb_ring::host
+
+namespace limb_ring::runtime {
+
+/// Who asked the network controller for a send, and so who is told how it ended. The core carries it as an opaque
+/// core::Owner; that is made and read here alone. (ours)
+struct SendOwner {
+  enum class Kind : std::uint8_t {
+    client,             ///< of the host port: a tool or the CPU, also where it pulls an interrupt input
+    traffic,            ///< packets that the daemon makes to time them
+    daemon_interrupts,  ///< interrupts that the daemon itself sends
+    babbling_cpu,       ///< packets of a CPU that babbles on purpose
+    ring_user           ///< who asks a virtual ring itself, such as a scenario
+  };
+  Kind kind = Kind::client;
+  host::ClientId client = 0;  ///< of a client: which; they count up from 1
+
+  static constexpr SendOwner of(host::ClientId client) { return {Kind::client, client}; }
+  static constexpr SendOwner of(Kind kind) { return {kind, 0}; }
+
+  constexpr core::Owner to_core() const {
+    return kind == Kind::client ? client : kFirstInternal + static_cast<core::Owner>(kind);
+  }
+  /// @pre made by to_core()
+  static constexpr SendOwner from_core(core::Owner owner) {
+    return owner < kFirstInternal ? of(owner) : of(static_cast<Kind>(owner - kFirstInternal));
+  }
+
+ private:
+  static constexpr core::Owner kFirstInternal = 0xFFFFFF00;
+};
+
+}  // namespace limb_ring::runtime

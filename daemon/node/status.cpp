@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include "io/process_state.h"
-#include "node/descriptor_limit.h"
 #include "node/node.h"
+#include "node/realtime.h"
 
 namespace limb_ring::runtime {
 namespace {

@@ -5,13 +5,12 @@
 
 #include "config/ring_config.h"
 #include "node/cpu_socket.h"
+#include "node/event_router.h"
 #include "node/faults.h"
 #include "node/host_server.h"
-#include "node/lately_damaged.h"
 #include "node/neighbour_watch.h"
 #include "node/node_driver.h"
-#include "node/ring_supervisor.h"
-#include "node/round_trips.h"
+#include "node/pin_board.h"
 
 namespace limb_ring::runtime {
 

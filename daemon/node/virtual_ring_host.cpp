@@ -6,7 +6,7 @@
 #include <boost/asio/post.hpp>
 
 #include "config/core_settings.h"
-#include "node/turnaround.h"
+#include "node/steering.h"
 
 namespace limb_ring::virtual_host {
 

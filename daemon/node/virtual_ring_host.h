@@ -8,15 +8,13 @@
 #include <ostream>
 #include <vector>
 
-#include "io/packet_timer.h"
+#include "io/packet_loop.h"
 #include "node/lockstep.h"
 #include "node/node.h"
 #include "node/ring_port.h"
 #include "node/steering.h"
 #include "node/virtual_node.h"
-#include "node/virtual_node_faults.h"
-#include "node/virtual_pace.h"
-#include "sim/ring_capture.h"
+#include "sim/planned_ring.h"
 #include "sim/trace.h"
 
 namespace limb_ring::virtual_host {

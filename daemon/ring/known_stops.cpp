@@ -5,8 +5,10 @@
 #include <optional>
 #include <thread>
 
+#include "limb_ring/payload/packet_type.h"
 #include "limb_ring/ring_directory.h"
-#include "ring/lock_files.h"
+#include "ring/reset_node.h"
+#include "ring/ring_files.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -245,6 +247,55 @@ std::string sentence_of(const std::vector<KnownStop>& stops) {
          group(stops, StopState::booting, "the CPU did not run, and comes up without the stop") +
          group(stops, StopState::no_cpu, "no CPU to stop") + group(stops, StopState::not_reached, "not reached") +
          group(stops, StopState::unknown, "not known, the daemon does not answer");
+}
+
+Result resume_from_nearer(const std::string& ring, std::uint8_t target, const Result& result, const SendResume& send) {
+  if (result.why != Reason::out_of_reach && result.outcome != Outcome::no_such_node) return result;
+  const auto sender = who_reaches(status_rows_here(ring, kRowTimeout), target);
+  if (!sender) return result;
+  try {
+    const Result again = send(*sender);
+    return may_have_arrived(again) ? again : result;
+  } catch (const HostPortError&) {  // it has gone meanwhile, or the time is up
+    return result;
+  }
+}
+
+void look_at(const std::string& ring, const std::vector<Node>& nodes, std::vector<Resumed>& all) {
+  std::vector<Node> taken;
+  for (const Resumed& one : all)
+    if (may_have_arrived(one.result)) taken.push_back(one.node);
+  wait_for_resumes(ring, taken);
+  std::map<std::uint8_t, StopState> known;
+  for (const KnownStop& stop : stops_now(ring, nodes)) known[stop.node.id] = stop.state;
+  for (Resumed& one : all) {
+    one.is_latched = known[one.node.id] == StopState::stopped;
+    one.seen = !one.is_latched && known[one.node.id] != StopState::unknown;
+  }
+}
+
+bool is_among(const std::vector<Node>& nodes, std::uint8_t id) {
+  return std::any_of(nodes.begin(), nodes.end(), [id](const Node& node) { return node.id == id; });
+}
+
+namespace {
+
+constexpr std::chrono::microseconds kValidFor = std::chrono::seconds(1);
+constexpr std::uint8_t kPriority = 0;
+
+}  // namespace
+
+payload::JointCommand resume_command(std::int64_t stamp_ns) {
+  payload::JointCommand command;
+  command.resume = true;
+  command.stamp_ns = stamp_ns;
+  command.valid_for_us = static_cast<std::uint32_t>(kValidFor.count());
+  return command;
+}
+
+Result resume_cpu(HostPort& port, std::uint8_t node, std::chrono::milliseconds timeout) {
+  const auto bytes = payload::encode(resume_command(port.stamp().count()));  // cannot fail: it names no joints
+  return port.wait(port.send(node, *bytes, kPriority, payload::kJointChannel), timeout);
 }
 
 }  // namespace limb_ring::ask

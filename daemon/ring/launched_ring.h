@@ -2,11 +2,14 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "io/program.h"
+#include "io/regular_file.h"
 #include "wire/packet.h"
 
 namespace limb_ring::live {
@@ -69,5 +72,33 @@ class LaunchedRing {
   std::string folder_;
   std::vector<LaunchedDaemon> daemons_;
 };
+
+/// A fresh XDG_RUNTIME_DIR of this process and those it starts, so that nothing of the user's is
+/// touched. Removed with everything in it; the environment is then as before.
+class PrivateFolder {
+ public:
+  /// @throw std::system_error where none can be made
+  PrivateFolder();
+  ~PrivateFolder();
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+
+  const std::string& path() const { return folder_.path(); }
+
+ private:
+  void replace(const std::string& name, const char* value);
+
+  process::TemporaryFolder folder_{"private"};
+  std::map<std::string, std::optional<std::string>> before_;
+};
+
+/// What a virtual ring says of its clock (docs/reference/requests.md), with "now_s" for "now_ns". Null where the ring
+/// goes by the machine's clock, or its process does not answer.
+nlohmann::json ring_clock(const std::string& ring);
+
+/// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty where it goes.
+std::string standing_clock(const std::string& ring);
+/// `problem`, of something that has not happened in time, and standing_clock() where it stands.
+std::string with_standing_clock(const std::string& problem, const std::string& ring);
 
 }  // namespace limb_ring::live

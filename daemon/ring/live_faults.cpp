@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "config/characters.h"
+#include "config/quantity.h"
 #include "io/in_parallel.h"
 
 namespace limb_ring::live {

@@ -4,9 +4,8 @@
 #include <thread>
 
 #include "limb_ring/host_port.h"
-#include "ring/connect_node.h"
-#include "ring/not_done.h"
-#include "ring/ring_words.h"
+#include "ring/observed_daemon.h"
+#include "ring/status_rows.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -98,6 +97,40 @@ json reset_node(ResetQuery query) {
     const bool over = known.value("effect", "") != "unknown" || steady_clock::now() >= deadline;
     if (over) return known;
     std::this_thread::sleep_for(kResetPollPeriod);
+  }
+}
+
+namespace {
+
+milliseconds until(steady_clock::time_point deadline) {
+  return std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now());
+}
+
+}  // namespace
+
+std::optional<std::uint8_t> next_sender(const SentStop& stop, const std::set<std::uint8_t>& senders) {
+  const std::vector<KnownStop> stops = wait_until_reached(stop);
+  if (stop.of_all) {
+    const auto next = next_to_ask(stops, senders);
+    return next ? std::optional(next->id) : std::nullopt;
+  }
+  if (!any_is(stops, StopState::not_reached)) return std::nullopt;
+  const auto next = who_reaches(status_rows_here(stop.ring, kRowTimeout), stops[0].node.id);
+  return next && senders.count(*next) == 0 ? next : std::nullopt;
+}
+
+void send_on(SentStop& stop, std::uint8_t from, steady_clock::time_point deadline, const SendStop& send,
+             const NextSender& next) {
+  std::set<std::uint8_t> senders{from};
+  while (const auto sender = next(stop, senders)) {
+    const milliseconds left = until(deadline);
+    if (left <= milliseconds(0)) return;
+    senders.insert(*sender);
+    try {
+      const bool delivered = send(*sender, left);
+      stop.delivered = delivered && (!stop.of_all || stop.delivered);
+    } catch (const std::exception&) {  // it has gone meanwhile: of its node nothing is known then
+    }
   }
 }
 

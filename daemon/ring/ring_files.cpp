@@ -1,14 +1,28 @@
 #include "ring/ring_files.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <optional>
+#include <sstream>
 #include <system_error>
 
-#include "config/characters.h"
-#include "io/throw_errno.h"
+#include "config/fault.h"
+#include "config/quantity.h"
+#include "config/ring_config.h"
+#include "io/node_notes.h"
+#include "io/process_state.h"
+#include "io/regular_file.h"
+#include "io/unique_fd.h"
+#include "io/unix_socket.h"
 #include "limb_ring/ring_directory.h"
+#include "wire/bytes.h"
 
 namespace limb_ring::live {
 
@@ -81,6 +95,219 @@ void remove_leftovers(const std::string& folder) {
   for (const std::string& file : files)
     if (is_leftover(file)) fs::remove(file, ignored);
   fs::remove(folder, ignored);
+}
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The kernel frees a lock when its holder ends, so a lock that cannot be had has a living holder. This asks for the
+/// lock and does not take it: a daemon that starts at this moment gets it (node/host_server.cpp).
+bool is_held(const process::UniqueFd& file) {
+  struct flock whole_file {};
+  whole_file.l_type = F_WRLCK;
+  whole_file.l_whence = SEEK_SET;
+  return ::fcntl(file.get(), F_OFD_GETLK, &whole_file) == 0 && whole_file.l_type != F_UNLCK;
+}
+
+/// @throw std::system_error where that cannot be known
+bool is_held(const fs::path& lock) {
+  const process::UniqueFd file = process::open_regular(lock);
+  if (!file.valid() && process::is_shortage(errno)) process::throw_errno("cannot look at " + lock.string());
+  return file.valid() && is_held(file);
+}
+
+/// The daemon that listens at a node's host port. Where its lock file was removed, as by a cleaner of temporary files,
+/// it lives all the same, and makes the file again within a second. @return -1 where none listens
+pid_t listening_at(const std::string& socket) {
+  const process::UniqueFd connection = process::connect_unix(socket);
+  return connection.valid() && process::is_of_our_user(connection.get()) ? process::peer_of(connection.get()).pid : -1;
+}
+
+/// Why a lock file that could not be opened does not tell who holds it; empty where there is none.
+std::string why_untold(const fs::path& lock, int error) {
+  const std::string other = process::why_not_regular(lock);
+  if (!other.empty() || error == ENOENT) return other;
+  return "cannot look at " + lock.string() + ": " + std::strerror(error);
+}
+
+/// The number that is the whole of this line; -1 where something else has been written into the file ("10:16:33 ...").
+pid_t pid_in(const std::string& line) {
+  const pid_t pid = config::are_digits(line, 9) ? std::stoi(line) : -1;
+  return pid > 1 ? pid : -1;
+}
+
+/// What is left of the file: words that end by a null; by a line end where a daemon of limb_ring 0.1.0 wrote it.
+std::vector<std::string> rest_of(std::istream& file) {
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const char end = text.find('\0') == std::string::npos ? '\n' : '\0';
+  std::istringstream words(text);
+  std::vector<std::string> rest;
+  for (std::string word; std::getline(words, word, end);) rest.push_back(word);
+  return rest;
+}
+
+/// Whether that process may be this daemon: the kernel adds " (deleted)" where its program was replaced. Where the
+/// daemon is in another pid namespace, as in a container, its number here may be that of another ring's daemon.
+bool may_be(pid_t pid, const Holder& daemon) {
+  const std::string folder = "/proc/" + std::to_string(pid);
+  std::error_code unknown;
+  const std::string runs = fs::read_symlink(folder + "/exe", unknown).string();
+  if (daemon.program.empty()) return true;
+  if (!unknown && runs != daemon.program && runs != daemon.program + " (deleted)") return false;
+  std::ifstream command(folder + "/cmdline");
+  std::string called;
+  std::getline(command, called, '\0');  // empty where the process is ending
+  return called.empty() || rest_of(command) == daemon.arguments;
+}
+
+bool are_of_virtual_ring(const std::vector<std::string>& arguments) {
+  const auto has = [&arguments](const std::string& word) {
+    return std::find(arguments.begin(), arguments.end(), word) != arguments.end();
+  };
+  const auto clock = std::find(arguments.begin(), arguments.end(), "--clock");
+  const bool as_two = clock != arguments.end() && clock + 1 != arguments.end() && *(clock + 1) != "machine";
+  return as_two || has("--clock=virtual") || has("--clock=follow");
+}
+
+/// The fault that a virtual ring has noted for one of its nodes; empty: the node runs.
+std::string noted_fault(const std::string& folder, std::uint8_t node) {
+  const auto note = note_of(folder, wire::NodeId{node});
+  return note ? note->name() : "";
+}
+
+/// A file that says something of a node, or of who starts the ring.
+bool is_read(const fs::path& file) {
+  const std::string kind = file.extension();
+  return kind == ".lock" || kind == ".fault" || kind == ".killed";
+}
+
+}  // namespace
+
+Holder holder_of(const std::string& folder, std::uint8_t node) {
+  const fs::path lock = fs::path(folder) / (std::to_string(node) + ".lock");
+  Holder holder;
+  if (!why_not_private(folder).empty()) return holder;
+  const process::UniqueFd file = process::open_regular(lock);
+  if (!file.valid()) {
+    holder.problem = why_untold(lock, errno);
+    return holder;
+  }
+  std::istringstream text(process::text_of(file));
+  std::string pid;
+  std::getline(text, pid);
+  holder.arguments = rest_of(text);
+  for (std::string* first : {&holder.program, &holder.folder}) {
+    if (holder.arguments.empty()) break;
+    *first = holder.arguments.front();
+    holder.arguments.erase(holder.arguments.begin());
+  }
+  holder.pid = pid_in(pid);
+  const bool lives = is_held(file);
+  // Another process has that pid: it must not be signalled.
+  if (lives && !may_be(holder.pid, holder)) holder.pid = -1;
+  holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
+  const std::string fault = holder.on_virtual_ring ? noted_fault(folder, node) : "";
+  holder.held = lives && fault != fault::word_of(fault::Name::kill).word;
+  holder.frozen = holder.held && (fault == fault::word_of(fault::Name::freeze).word || process::is_stopped(holder.pid));
+  return holder;
+}
+
+std::optional<std::uint64_t> last_boot(const std::string& folder, std::uint8_t node) {
+  const std::string bytes = process::text_of_regular(folder + "/" + std::to_string(node) + ".boot");
+  if (bytes.size() != sizeof(std::uint64_t)) return std::nullopt;
+  return wire::load_u64(reinterpret_cast<const std::uint8_t*>(bytes.data()));
+}
+
+std::vector<HeldNode> held_nodes(const std::string& folder) {
+  std::vector<HeldNode> held;
+  for (const fs::path file : files_in(folder)) {
+    std::error_code link;
+    const fs::path lock = fs::path(file).replace_extension(".lock");
+    if (const auto node = node_of(file, ".lock"); node && is_held(file))
+      held.push_back({*node, file.string(), holder_of(folder, *node).pid});
+    else if (const auto socket = node_of(file, ".host"); socket && !fs::exists(fs::symlink_status(lock, link)))
+      if (const pid_t pid = listening_at(file); pid > 0) held.push_back({*socket, lock.string(), pid});
+  }
+  return held;
+}
+
+std::vector<std::string> ring_folders() {
+  std::vector<std::string> folders = files_in(rings_directory());
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+std::vector<std::string> held_rings() {
+  std::vector<std::string> rings;
+  for (const fs::path folder : ring_folders())
+    if (!held_nodes(folder).empty()) rings.push_back(folder.filename());
+  return rings;
+}
+
+// A note stays where something else than `fault start` has started the node; its lock file then has another pid.
+bool is_killed(const std::string& folder, wire::NodeId node) {
+  const auto note = note_of(folder, node);
+  if (!note || note->name() != fault::word_of(fault::Name::kill).word) return false;
+  const Holder last = holder_of(folder, node);
+  return !last.held && (last.on_virtual_ring || was_killed(folder, node, last.pid));
+}
+
+std::vector<KnownNode> known_nodes(const std::string& folder) {
+  const auto names = node_names(folder);
+  std::vector<KnownNode> nodes;
+  for (const fs::path file : files_in(folder)) {
+    const auto id = node_of(file, ".lock");
+    if (!id) continue;
+    const auto note = note_of(folder, wire::NodeId{*id});
+    std::istringstream words(note ? note->words : "");
+    std::string fault, name;
+    const auto linked = names.find(std::to_string(*id));
+    const bool is_named = linked != names.end() && config::is_node_name(linked->second);
+    if (!(words >> fault >> name)) name = is_named ? linked->second : std::to_string(*id);
+    nodes.push_back({wire::NodeId{*id}, name});
+  }
+  std::sort(nodes.begin(), nodes.end(), [](const KnownNode& a, const KnownNode& b) { return a.id < b.id; });
+  return nodes;
+}
+
+namespace {
+
+std::vector<std::string> dead_rings(bool killed) {
+  std::vector<std::string> rings;
+  for (const fs::path folder : ring_folders()) {
+    const auto nodes = known_nodes(folder);
+    const auto is_killed_one = [&](const KnownNode& node) { return is_killed(folder, node.id); };
+    if (nodes.empty() || !held_nodes(folder).empty()) continue;
+    if (std::any_of(nodes.begin(), nodes.end(), is_killed_one) == killed) rings.push_back(folder.filename());
+  }
+  return rings;
+}
+
+}  // namespace
+
+std::vector<std::string> killed_rings() { return dead_rings(true); }
+
+std::vector<std::string> left_rings() { return dead_rings(false); }
+
+std::vector<std::string> unreadable_files(const std::string& folder) {
+  std::vector<std::string> problems;
+  for (const fs::path file : files_in(folder)) {
+    if (!is_read(file)) continue;
+    const std::string problem = process::why_not_regular(file);
+    if (!problem.empty()) problems.push_back(problem + ": it tells nothing; remove it");
+  }
+  std::sort(problems.begin(), problems.end());
+  return problems;
+}
+
+std::string held_up_lock(const std::string& folder) {
+  for (const fs::path file : files_in(folder)) {
+    const std::string stem = file.stem();
+    const bool of_up = file.extension() == ".lock" && (stem == "up" || stem.rfind("up-", 0) == 0);
+    if (of_up && is_held(file)) return file;
+  }
+  return "";
 }
 
 }  // namespace limb_ring::live

@@ -1,6 +1,8 @@
 #include "ring/running_daemons.h"
 
 #include <fcntl.h>
+#include <netdb.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -8,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -17,9 +20,10 @@
 #include "io/program.h"
 #include "io/regular_file.h"
 #include "io/spawn.h"
+#include "io/unique_fd.h"
 #include "limb_ring/ring_directory.h"
-#include "ring/connect_node.h"
-#include "ring/ring_clock.h"
+#include "ring/launched_ring.h"
+#include "ring/observed_daemon.h"
 
 namespace limb_ring::live {
 namespace {
@@ -290,6 +294,18 @@ void RunningDaemons::wait_for_hello(wire::NodeId id, milliseconds patience) cons
   if (!wait_while_it_lives(
           id, [&] { return has_joined(id); }, patience))
     throw not_joined(ring_, node(id).name, patience);
+}
+
+// Tries to bind rather than listing interfaces: no interface has 127.0.0.2, and yet it is this machine's own.
+bool is_own_address(const std::string& address) {
+  addrinfo hints{};
+  hints.ai_flags = AI_NUMERICHOST | AI_PASSIVE;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(address.c_str(), nullptr, &hints, &found) != 0) return false;
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> freed(found, ::freeaddrinfo);
+  const process::UniqueFd socket(::socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  return socket.valid() && ::bind(socket.get(), found->ai_addr, found->ai_addrlen) == 0;
 }
 
 }  // namespace limb_ring::live

@@ -10,8 +10,8 @@
 #include "config/fault_parse.h"
 #include "io/child.h"
 #include "limb_ring/host_port.h"
-#include "ring/lock_files.h"
-#include "ring/not_done.h"
+#include "ring/observed_daemon.h"
+#include "ring/ring_files.h"
 
 namespace limb_ring::live {
 
@@ -79,5 +79,8 @@ class RunningDaemons {
   mutable std::mutex mutex_;
   mutable std::vector<process::Child> started_;  ///< here; a start reaps those that have ended, else they stay zombies
 };
+
+/// Whether `address`, which must be numeric, is this machine's own: a process here can bind to it. (ours)
+bool is_own_address(const std::string& address);
 
 }  // namespace limb_ring::live

@@ -1,7 +1,17 @@
 #pragma once
 
+#include <deque>
+#include <functional>
+#include <list>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "config/fault.h"
+#include "config/ring_config.h"
 #include "config/watchdog.h"
 #include "sim/scenario.h"
 #include "sim/virtual_ring.h"
@@ -68,6 +78,129 @@ class Cpus {
   sim::VirtualRing& ring_;
   core::Duration boot_time_;
   std::vector<Cpu> cpus_;
+};
+
+/// The ring's supervisor under a virtual clock: the watchdog of the daemon, evaluated once a beacon period, and its
+/// orders given. Nodes are places in ring order. As in a live scenario every CPU is a child that has promised to speak,
+/// so all are watched, and the supervisor is the configured node, else the first.
+class Supervisor {
+ public:
+  /// All must outlive this. Does nothing unless the ring's policy is auto: a mere report changes nothing.
+  Supervisor(const config::RingConfig& config, sim::VirtualRing& ring, const Cpus& cpus);
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  /// From now on. @pre not started yet
+  void start();
+  /// A node's daemon was started again. If it is the supervisor, it has forgotten all.
+  void started(NodeId id);
+  /// To be called for each event of the ring.
+  void came(const core::Event& event, NodeId at);
+
+ private:
+  struct Reset {
+    NodeId node;
+    std::uint32_t token;
+    watchdog::ResetOrder order;
+  };
+
+  void evaluate();
+  void evaluate_later();
+  void reset(NodeId id);
+  /// @param report how the reset ended; none: it goes on
+  void finish(std::list<Reset>::iterator reset, const watchdog::ResetOrder::Report& report);
+  watchdog::CpuSighting sighting_of(NodeId id) const;
+  watchdog::CpuKnown cpu_of(NodeId id) const;
+  watchdog::Watchdog fresh() const;
+
+  const config::RingConfig& config_;
+  sim::VirtualRing& ring_;
+  const Cpus& cpus_;
+  core::Duration beacon_;
+  NodeId node_;
+  const core::Membership* membership_;  ///< of that node since its last start, read without waking the node
+  watchdog::Watchdog watchdog_;
+  std::list<Reset> resets_;
+};
+
+/// Sends what a scenario says, and counts results by name. A CPU that does not run asks for nothing; an
+/// interrupt input is pulled whatever its CPU does.
+class Senders {
+ public:
+  /// @param ring outlives this @param cpu_sends whether the CPU of a node runs, so that it asks for what it has to send
+  /// @param seed decides where in its period a stream begins
+  Senders(sim::VirtualRing& ring, std::function<bool(NodeId)> cpu_sends, std::uint64_t seed)
+      : ring_(ring), cpu_sends_(std::move(cpu_sends)), random_(seed) {}
+  Senders(const Senders&) = delete;
+  Senders& operator=(const Senders&) = delete;
+
+  void begin(const Send& send);
+  /// Sends the largest packets to all at the highest priority, one each `every` (0: default), until `over`.
+  void babble(NodeId from, core::Duration every, std::function<bool()> over);
+  /// All zero where nothing of that name was sent yet.
+  const Tally& tally(const std::string& name) const;
+
+  /// To be called for each event of the ring.
+  void came(const core::Event& event, NodeId at);
+  /// The send that a packet belongs to, as a number; nothing: a CPU's own.
+  std::optional<std::size_t> send_of(const core::ReceivedPacket& packet) const;
+  /// A CPU has taken a packet of that send.
+  void taken(std::size_t send) { ++tallies_[send].taken; }
+
+ private:
+  struct Asked {
+    std::size_t tally;
+    core::Time at;
+  };
+  /// One node's part of a send.
+  struct Job {
+    Send send;
+    NodeId from;
+    std::size_t tally;
+    std::uint64_t left;
+    std::function<bool()> over{};  ///< of a babble
+  };
+
+  std::size_t index_of(const std::string& name);
+  void ask_and_go_on(Job& job);
+  void ask(const Job& job);
+
+  sim::VirtualRing& ring_;
+  std::function<bool(NodeId)> cpu_sends_;
+  std::mt19937_64 random_;
+  std::vector<std::string> names_;
+  std::vector<Tally> tallies_;
+  std::deque<Job> jobs_;                                                 ///< they stay where they are
+  std::map<std::pair<NodeId, std::uint32_t>, Asked> asked_;              ///< by source and token
+  std::map<std::pair<NodeId, std::uint8_t>, std::size_t> of_interrupt_;  ///< by source and factor, the last begun
+};
+
+/// Which fault of a node, or of its CPU, that lasts for a time is still there when that is over: another one may have
+/// ended it, or taken its place, and is not to be ended with it. (ours)
+class LastingFaults {
+ public:
+  /// To be told of every fault of a node or its CPU.
+  void begins(fault::Name name, wire::NodeId node) {
+    for (const Name lasting : {Name::freeze, Name::hang, Name::slow, Name::not_reading, Name::babble})
+      if (ends(name, lasting)) ++numbers_[{lasting, node}];
+  }
+
+  /// Of the fault of this name that the node has now; another one once that has ended or was replaced.
+  unsigned number(fault::Name lasting, wire::NodeId node) const {
+    const auto found = numbers_.find({lasting, node});
+    return found == numbers_.end() ? 0 : found->second;
+  }
+
+ private:
+  using Name = fault::Name;
+
+  static bool ends(Name name, Name lasting) {
+    if (name == lasting || name == Name::kill || name == Name::power_cycle) return true;
+    if (lasting == Name::freeze) return name == Name::thaw;
+    return name == Name::resume || name == Name::reset || name == Name::crash;
+  }
+
+  std::map<std::pair<Name, wire::NodeId>, unsigned> numbers_;
 };
 
 }  // namespace limb_ring::scenario

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "judge/packet_collector.h"
+#include "judge/forwarding_checker.h"
 #include "sim/ring_record.h"
 
 namespace limb_ring::sim {

@@ -1,3 +1,4 @@
+
 #include "sim/invariants.h"
 
 namespace limb_ring::sim {

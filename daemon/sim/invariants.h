@@ -1,10 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <stdexcept>
 
 #include "sim/input_checker.h"
-#include "sim/output_checker.h"
-#include "sim/result_checker.h"
 #include "sim/ring_record.h"
 
 namespace limb_ring::sim {
@@ -22,7 +21,7 @@ class Invariants : public Observer {
   bool all_ended() const;
   /// At the end, when nothing is under way any more: everything asked for must have ended.
   void finish();
-  /// All that later events are judged by. (study/explore/state_hash.h) @pre no promise was broken
+  /// All that later events are judged by. (study/explored_run.h) @pre no promise was broken
   template <class Archive>
   void archive(Archive& a) {
     a("record", record_)("outputs", outputs_)("inputs", inputs_)("results", results_);
@@ -49,6 +48,28 @@ class Invariants : public Observer {
   OutputChecker outputs_;
   InputChecker inputs_;
   ResultChecker results_;
+};
+
+/// A promise of the ring was broken: which, when in virtual time, and the packets involved.
+struct BrokenPromise : std::runtime_error {
+  explicit BrokenPromise(const Violation& violation)
+      : std::runtime_error("promise broken at " + std::to_string(core::picoseconds(violation.at.time_since_epoch())) +
+                           " ps: " + to_string(violation.promise) + ": " + violation.what) {}
+};
+
+/// A virtual ring whose every promise is checked at every event.
+class WatchedRing : public VirtualRing {
+ public:
+  explicit WatchedRing(const VirtualRingOptions& options) : VirtualRing(options), invariants_(*this) {}
+
+  const std::optional<Violation>& violation() const { return invariants_.violation(); }
+  /// @throw BrokenPromise
+  void check() const {
+    if (violation()) throw BrokenPromise(*violation());
+  }
+
+ private:
+  Invariants invariants_;
 };
 
 }  // namespace limb_ring::sim

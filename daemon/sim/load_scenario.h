@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "config/config_error.h"
+#include "config/quantity.h"
 #include "sim/scenario.h"
 
 namespace limb_ring::scenario {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/network_controller.h"
-#include "wire/fold_word.h"
+#include "wire/slice.h"
 
 namespace limb_ring::sim {
 

@@ -1,9 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <ostream>
+#include <vector>
 
 #include "config/ring_config.h"
-#include "sim/watched_ring.h"
+#include "sim/invariants.h"
+#include "sim/virtual_ring.h"
+#include "wire/packet_assembler.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::sim {
 
@@ -21,5 +26,35 @@ bool assumes_lines(const config::RingConfig& ring);
 /// which are the places in ring order. Each line has its own rate and delay.
 /// @param ring every line has a rate; outlives the result
 std::unique_ptr<WatchedRing> planned_ring(const config::RingConfig& ring);
+
+/// Where packets are captured: as they come into a node, so that what faults did to them shows; or as
+/// they go out of one as well, so that what they waited for shows.
+enum class CaptureAt : std::uint8_t { inputs, inputs_and_outputs };
+
+/// Writes what is on the lines of a virtual ring as pcapng, in virtual time; every line an interface.
+/// Faults, states and pins are events. Must live as long as the ring runs.
+class RingCapture : public Observer {
+ public:
+  RingCapture(VirtualRing& ring, std::ostream& out, capture::RingNames names, CaptureAt at = CaptureAt::inputs);
+
+  void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
+  void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
+  void event(wire::NodeId node, const core::Event& event) override;
+  void incident(wire::NodeId node, Incident incident, core::Time now, core::Line line) override;
+
+ private:
+  wire::NodeId upstream(wire::NodeId node) const;
+  wire::NodeId downstream(wire::NodeId node) const;
+  void write(const capture::PacketView& packet);
+
+  VirtualRing& ring_;
+  capture::PcapngWriter writer_;
+  std::vector<capture::PacketAssembler> inputs_, outputs_;  ///< by node; outputs_ empty where not looked at
+};
+
+/// The nodes' names by their ids, as the ring's file has them.
+capture::RingNames names_of(const config::RingConfig& ring);
+/// Names of a ring of plain nodes: node0, node1 ...
+capture::RingNames plain_names(unsigned nodes);
 
 }  // namespace limb_ring::sim

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "judge/due_pins.h"
 #include "judge/forwarding_checker.h"
 #include "judge/ledger.h"
-#include "judge/receive_buffers.h"
 #include "judge/receiver_model.h"
 #include "judge/sent_judge.h"
 #include "sim/virtual_ring.h"
@@ -103,6 +102,84 @@ struct RingRecord {
   Time said_hello = core::kNever;  ///< the last hello of anybody
   Time released{};                 ///< a line has released what it held back
   std::optional<Violation> violation;
+};
+
+/// Judges the results that CPUs get: each send has one, in time, justified by the lines (ResultJudge) and by the state
+/// that its node shows. (protocol.md sections 4.3 to 4.6)
+class ResultChecker {
+ public:
+  explicit ResultChecker(RingRecord& record) : record_(record), unexplained_(record.ring.size()) {}
+
+  void ends(NodeId node, const core::SendEnded& end, Time at_end);
+  /// A state explains results that were given just before.
+  void state_changes(NodeId node, core::NodeState state);
+  /// The node has restarted.
+  void start(NodeId node) { unexplained_[node].clear(); }
+  /// Sends that are due by now must have ended. @param all true: all sends, at the end of a run
+  void judge_open(NodeId node, bool all);
+  /// Complains of results that no state has explained in time.
+  void judge_unexplained(NodeId node);
+  template <class Archive>
+  void archive(Archive& a) {
+    a("unexplained", unexplained_);
+  }
+
+ private:
+  /// A result for which its node has to show a state.
+  struct Unexplained {
+    Time when;
+    core::Outcome outcome;
+    std::string what;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("when", when)("outcome", outcome)("what", what);
+    }
+  };
+
+  Time last_hello_of(NodeId destination) const;
+  ResultJudge judge_of(NodeId node, const Sent& sent) const;
+
+  RingRecord& record_;
+  std::vector<std::vector<Unexplained>> unexplained_;  ///< by node
+};
+
+/// Judges what leaves the nodes of a ring: own packets against what their CPUs have asked for, those of others against
+/// what has come in, and none goes round twice. (protocol.md sections 2.2, 2.4 and 4.8)
+class OutputChecker {
+ public:
+  explicit OutputChecker(RingRecord& record);
+
+  void leaves(NodeId node, const wire::Slice& slice, Time now);
+  template <class Archive>
+  void archive(Archive& a) {
+    a("outgoing", outgoing_);
+  }
+
+ private:
+  /// The DATP that is on its way out of a node.
+  struct Outgoing {
+    PacketCollector collector{core::Duration::max()};
+    bool own = false;
+    PacketHeader header;
+    Time since{};
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("collector", collector)("own", own)("header", header)("since", since);
+    }
+  };
+
+  void check_header(NodeId node, const PacketHeader& header);
+  void check_source(NodeId node, const PacketHeader& header, Time now);
+  void begins_to_leave(NodeId node, const wire::Slice& slice, Time now);
+  void hello_begins(NodeRecord& n, Time now);
+  void data_leaves(NodeId node, const wire::Slice& end, wire::ByteView own, Time now);
+  void own_data_leaves(NodeId node, const wire::PacketFields& packet);
+  void interrupt_leaves(NodeId node, const wire::Slice& slice, Time now);
+
+  RingRecord& record_;
+  std::vector<Outgoing> outgoing_;
 };
 
 }  // namespace limb_ring::sim

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -9,11 +11,13 @@
 #include "config/ring_config.h"
 #include "core/events.h"
 #include "core/outcome.h"
+#include "core/time.h"
 #include "wire/control_message.h"
 
 /// A scenario: what is done to a ring and when, and what has to be seen. (ours)
 /// Nodes are places in ring order, as in planned_ring.h. Times count from when every node has joined; in the soak's
 /// world, from when they start.
+
 namespace limb_ring::scenario {
 
 using std::chrono::nanoseconds;
@@ -167,5 +171,12 @@ struct Scenario {
 bool expects_something(const Scenario& scenario);
 /// Whether time passes in it: it ends with its last step; the soak's world goes on behind it until all is calm.
 bool lasts(const Scenario& scenario);
+
+/// What became of the sends of one name.
+struct Tally {
+  std::array<std::uint64_t, static_cast<std::size_t>(core::Outcome::cancelled) + 1> results{};  ///< by core::Outcome
+  std::uint64_t taken = 0;  ///< by CPUs; of an interrupt, pins pulled
+  core::Duration worst{0};  ///< from the request until it was confirmed, of what was delivered
+};
 
 }  // namespace limb_ring::scenario

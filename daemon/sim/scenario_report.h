@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/scenario.h"
 #include "sim/scenario_run.h"
 
 namespace limb_ring::scenario {
@@ -16,5 +17,9 @@ std::string text_of(const ScenarioRun& run);
 /// @param stopped why that one has no run
 std::string junit_of(const std::vector<ScenarioRun>& runs, const std::vector<Scenario>& scenarios = {},
                      const std::string& stopped = {});
+
+/// What in a scenario is not possible on live daemons, and why; empty: it can be played there.
+/// @param transport of all lines, unix, shm or udp; empty: as the ring's file says
+std::vector<std::string> only_virtual(const Scenario& scenario, const std::string& transport);
 
 }  // namespace limb_ring::scenario

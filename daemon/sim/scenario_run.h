@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/ring_capture.h"
+#include "sim/planned_ring.h"
 #include "sim/stage.h"
 
 namespace limb_ring::scenario {
@@ -59,5 +59,14 @@ ScenarioRun run_scenario(
 
 /// Plays it on a stage that has not begun. @param seed the stage's, for the report
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);
+
+/// Whether a condition holds at this moment.
+bool holds(const Condition& condition, const StageView& view);
+
+/// The same for what has to hold at every moment: a latency does also while nothing has been confirmed.
+bool holds_so_far(const Condition& condition, const StageView& view);
+
+/// What the ring shows at the moment, in words: "left_knee is joining, in a ring of 15".
+std::string seen(const Condition& condition, const StageView& view);
 
 }  // namespace limb_ring::scenario

@@ -7,9 +7,8 @@
 #include <numeric>
 #include <vector>
 
-#include "config/characters.h"
-#include "config/config_error.h"
-#include "config/yaml_file.h"
+#include "config/entry.h"
+#include "config/quantity.h"
 #include "sim/load_scenario.h"
 
 namespace limb_ring::scenario {

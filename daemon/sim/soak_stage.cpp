@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "config/core_settings.h"
-#include "sim/mended_ring.h"
+#include "sim/virtual_line_faults.h"
 
 namespace limb_ring::scenario {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sim/model_stage.h"
+#include "sim/stage.h"
 
 namespace limb_ring::scenario {
 

@@ -9,9 +9,7 @@
 #include "core/network_controller.h"
 #include "judge/ledger.h"
 #include "sim/delay_line.h"
-#include "sim/node_set.h"
 #include "sim/observer.h"
-#include "sim/wake_times.h"
 
 namespace limb_ring::sim {
 
@@ -46,7 +44,7 @@ struct NodeLog {
 class VirtualRing {
  public:
   /// The owner of what send(), interrupt() and pull() ask for: no client of a host port has this number
-  /// (node/send_owner.h).
+  /// (node/session.h).
   static constexpr core::Owner kUser = kAskedByRing;
 
   explicit VirtualRing(const VirtualRingOptions& options);
@@ -149,7 +147,7 @@ class VirtualRing {
   /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
   void put_late(NodeId id, wire::SliceWriter& slices, Line line = Line::first);
   /// All that later events depend on, except what at() was asked for, what taps hold, and logs.
-  /// (study/explore/state_hash.h) @pre between two instants
+  /// (study/explored_run.h) @pre between two instants
   template <class Archive>
   void archive(Archive& a) {
     a("now", now_)("nodes", nodes_);

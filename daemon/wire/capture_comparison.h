@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "wire/pcapng_reader.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::capture {
 

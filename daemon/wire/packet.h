@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "wire/bytes.h"
@@ -11,6 +13,7 @@
 ///   Data                                  1..512 bytes, DATP only
 ///   Trailer | EOP  | FBC | DID | last |   4 bytes; last is PRI in a DATP, INT in an INTP
 ///   CRC     32 bits, big-endian           over everything before it, as it is on that line
+
 namespace limb_ring::wire {
 
 /// A number of one byte with a type of its own, so that different kinds of numbers cannot be mixed up.
@@ -128,6 +131,67 @@ inline void rewrite(std::uint8_t* packet, std::size_t size, std::uint8_t hop, st
   store_u32(crc, carried_crc(load_u32(crc), size, hop_field ^ hop, fbc_field ^ fbc));
   hop_field = hop;
   fbc_field = fbc;
+}
+
+/// DATP, a data packet (paper; see packet.h for what the fields mean):
+///
+///   | Code | SOP | HOP | SID | Data 1..512 B | EOP | FBC | DID | PRI | CRC 4 B |
+///
+/// PRI: bits 1..0 priority, 0 the highest (paper); bits 7..2 channel (ours).
+constexpr std::size_t kMaxPayload = 512;
+constexpr std::size_t kMinDataPacketSize = kOverhead + 1;
+constexpr std::size_t kMaxDataPacketSize = kOverhead + kMaxPayload;
+
+/// Channels of the PRI field. (ours)
+enum class Channel : std::uint8_t { user = 0, control = 1, joint = 2, fragment = 3 };
+
+constexpr ChannelId id_of(Channel channel) { return ChannelId{static_cast<std::uint8_t>(channel)}; }
+
+inline std::uint8_t pri_byte(Priority priority, ChannelId channel) {
+  return static_cast<std::uint8_t>(channel << 2 | (priority & 3));
+}
+inline Priority priority_of(std::uint8_t pri) { return Priority{static_cast<std::uint8_t>(pri & 3)}; }
+inline ChannelId channel_of(std::uint8_t pri) { return ChannelId{static_cast<std::uint8_t>(pri >> 2)}; }
+
+/// True for a DATP on the network controllers' own channel.
+inline bool is_control(const PacketFields& packet) { return channel_of(packet.last()) == id_of(Channel::control); }
+
+/// INTP, an interrupt packet (paper):
+///
+///   | Code | SOP | HOP | SID | EOP | FBC | DID | INT | CRC 4 B |      12 bytes
+///
+/// INT: bits 2..0 the factor 0..7, the rest 0.
+constexpr std::size_t kInterruptPacketSize = kOverhead;
+constexpr std::uint8_t kFactors = 8;
+
+inline Factor factor_of(std::uint8_t last) { return Factor{static_cast<std::uint8_t>(last & 7)}; }
+
+using InterruptBytes = std::array<std::uint8_t, kInterruptPacketSize>;
+
+/// How a send ended; every send has exactly one. (ours, protocol.md section 4.6) Core and client library both use
+/// these values and words; limb_ring/host_port.h repeats the values, since a public header includes nothing of ours.
+enum class Outcome : std::uint8_t { delivered, refused, no_such_node, lost, unconfirmed, rejected, cancelled };
+constexpr std::size_t kOutcomes = static_cast<std::size_t>(Outcome::cancelled) + 1;
+
+/// One or three words: "no such node".
+constexpr const char* to_string(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::delivered:
+      return "delivered";
+    case Outcome::refused:
+      return "refused";
+    case Outcome::no_such_node:
+      return "no such node";
+    case Outcome::lost:
+      return "lost";
+    case Outcome::unconfirmed:
+      return "unconfirmed";
+    case Outcome::rejected:
+      return "rejected";
+    case Outcome::cancelled:
+      return "cancelled";
+  }
+  return "unknown outcome";
 }
 
 }  // namespace limb_ring::wire

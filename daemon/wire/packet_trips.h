@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "wire/seen_packet.h"
+#include "wire/packet_assembler.h"
 
 namespace limb_ring::capture {
 

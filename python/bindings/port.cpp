@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "bindings.h"
-#include "client/event_kinds.h"
+#include "client/arguments.h"
 
 namespace limb_ring::python {
 namespace {

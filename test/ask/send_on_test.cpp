@@ -1,5 +1,5 @@
 // A stop that one node has sent is sent on by others.
-#include "ring/send_on.h"
+#include "ring/reset_node.h"
 
 #include <gmock/gmock.h>
 

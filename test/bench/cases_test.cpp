@@ -1,4 +1,4 @@
-#include "bench/cases.h"
+#include "bench/suite.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bench/report_text.h"
+#include "bench/suite.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "support/packets.h"
 #include "support/view.h"
-#include "wire/packet_view.h"
+#include "wire/packet_assembler.h"
 
 namespace limb_ring::test {
 

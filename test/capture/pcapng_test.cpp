@@ -5,7 +5,7 @@
 #include "capture/packets.h"
 #include "support/node_literal.h"
 #include "support/thrown.h"
-#include "wire/pcapng_reader.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::capture {
 namespace {

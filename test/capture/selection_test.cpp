@@ -1,4 +1,4 @@
-#include "wire/selection.h"
+#include "wire/packet_filter.h"
 
 #include <string>
 

@@ -1,9 +1,7 @@
 // What every program says to a command line that is wrong, and to one that asks.
-#include "tools/cli/command_line.h"
+#include "tools/common/command_line.h"
 
 #include <gmock/gmock.h>
-
-#include "tools/cli/values.h"
 
 namespace limb_ring::cli {
 namespace {

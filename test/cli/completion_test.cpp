@@ -1,9 +1,9 @@
 // What a shell is told may stand next on a command line.
-#include "tools/cli/completion.h"
+#include "tools/common/man_page.h"
 
 #include <gmock/gmock.h>
 
-#include "tools/cli/command_line.h"
+#include "tools/common/command_line.h"
 
 namespace limb_ring::cli {
 namespace {

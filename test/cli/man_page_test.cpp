@@ -1,10 +1,9 @@
 // The man page that a program writes of itself.
-#include "tools/cli/man_page.h"
+#include "tools/common/man_page.h"
 
 #include <gmock/gmock.h>
 
-#include "tools/cli/command_line.h"
-#include "tools/cli/roff.h"
+#include "tools/common/command_line.h"
 
 namespace limb_ring::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/cli/values.h"
+#include "tools/common/command_line.h"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "client/stream_buffer.h"
 #include "support/view.h"
 
 namespace limb_ring::client {

@@ -1,4 +1,4 @@
-#include "client/pending.h"
+#include "client/inbox.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which machine runs which node, and what the lines between them are.
-#include "config/plain_ring.h"
+#include "config/ring_config.h"
 #include "config/ring_text.h"
 
 namespace limb_ring::config {

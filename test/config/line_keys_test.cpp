@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "config/load_ring.h"
-#include "config/plain_ring.h"
+#include "config/ring_config.h"
 
 namespace limb_ring::config {
 namespace {

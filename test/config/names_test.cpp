@@ -1,8 +1,8 @@
-#include "config/names.h"
+#include "config/ring_config.h"
 
 #include <gtest/gtest.h>
 
-#include "config/characters.h"
+#include "config/quantity.h"
 
 namespace limb_ring::config {
 namespace {

@@ -1,4 +1,4 @@
-#include "config/plain_ring.h"
+#include "config/ring_config.h"
 
 #include <gtest/gtest.h>
 

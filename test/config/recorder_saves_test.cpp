@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "config/recorder_saves.h"
+#include "config/ring_config.h"
 #include "config/ring_text.h"
 
 namespace limb_ring::config {

@@ -2,7 +2,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "config/options_markdown.h"
+#include "config/option.h"
 #include "config/ring_text.h"
 
 namespace limb_ring::config {

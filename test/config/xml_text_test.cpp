@@ -1,5 +1,5 @@
 // Any bytes become text that an XML parser takes.
-#include "config/xml_text.h"
+#include "config/urdf_joints.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/solo_node.h"
-#include "wire/fold_word.h"
+#include "wire/slice.h"
 
 namespace limb_ring::core {
 

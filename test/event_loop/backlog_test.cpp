@@ -1,4 +1,4 @@
-#include "io/backlog.h"
+#include "io/packet_loop.h"
 
 #include <gtest/gtest.h>
 

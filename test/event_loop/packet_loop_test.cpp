@@ -8,7 +8,6 @@
 #include <string>
 
 #include "event_loop/on_one_core.h"
-#include "io/packet_timer.h"
 #include "io/unique_fd.h"
 
 namespace limb_ring::event_loop {

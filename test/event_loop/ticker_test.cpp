@@ -4,8 +4,6 @@
 
 #include <vector>
 
-#include "io/shared_timer.h"
-
 namespace limb_ring::event_loop {
 namespace {
 

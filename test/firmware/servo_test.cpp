@@ -1,4 +1,4 @@
-#include "tools/firmware/servo.h"
+#include "tools/firmware/simulated_limb.h"
 
 #include <algorithm>
 #include <cmath>

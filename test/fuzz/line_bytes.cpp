@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "fuzz/fuzz.h"
-#include "io/slice_feed.h"
+#include "io/input.h"
 
 using namespace limb_ring;
 

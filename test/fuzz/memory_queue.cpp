@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "fuzz/fuzz.h"
-#include "io/memory_queue.h"
+#include "io/memory_line.h"
 
 using namespace limb_ring;
 

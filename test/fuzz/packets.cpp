@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "fuzz/fuzz.h"
-#include "wire/data_packet.h"
+#include "wire/packet.h"
 
 using namespace limb_ring;
 

@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "fuzz/fuzz.h"
-#include "wire/pcapng_reader.h"
+#include "wire/pcapng.h"
 
 using namespace limb_ring;
 

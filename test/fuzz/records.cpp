@@ -2,8 +2,7 @@
 #include <algorithm>
 
 #include "fuzz/fuzz.h"
-#include "judge/record_reader.h"
-#include "judge/record_writer.h"
+#include "judge/record.h"
 
 using namespace limb_ring;
 using recorder::Record;

@@ -1,9 +1,9 @@
 // JSON of clients: requests of any content, and what they want to observe.
+#include "node/requests.h"
 #include "client/arguments.h"
 #include "config/load_ring.h"
 #include "fuzz/fuzz.h"
-#include "node/observe_filter.h"
-#include "node/request_fields.h"
+#include "node/observers.h"
 
 using namespace limb_ring;
 

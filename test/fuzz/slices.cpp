@@ -2,7 +2,6 @@
 #include <vector>
 
 #include "fuzz/fuzz.h"
-#include "wire/fold_word.h"
 #include "wire/slice.h"
 
 using namespace limb_ring;

@@ -1,5 +1,5 @@
 // A robot's URDF, of which the limits of joints are read.
-#include "config/config_error.h"
+#include "config/quantity.h"
 #include "config/urdf_joints.h"
 #include "fuzz/fuzz.h"
 

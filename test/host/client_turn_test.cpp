@@ -1,4 +1,4 @@
-#include "node/client_turn.h"
+#include "node/session.h"
 
 #include <gtest/gtest.h>
 

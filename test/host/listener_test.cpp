@@ -1,4 +1,4 @@
-#include "node/listener.h"
+#include "node/host_server.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "client/unix_socket.h"
+#include "client/frame.h"
 #include "limb_ring/ring_directory.h"
 #include "support/runtime_folder.h"
 #include "support/thrown.h"

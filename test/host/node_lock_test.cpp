@@ -1,4 +1,4 @@
-#include "node/node_lock.h"
+#include "node/host_server.h"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>

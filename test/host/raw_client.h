@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "client/frame.h"
 #include "client/host_message.h"
-#include "client/unix_socket.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::test {

@@ -1,4 +1,4 @@
-#include "io/delayed_input.h"
+#include "io/input.h"
 
 #include <gmock/gmock.h>
 

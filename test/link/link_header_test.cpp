@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "io/endpoint.h"
+#include "io/agreement.h"
 
 namespace limb_ring::link {
 namespace {

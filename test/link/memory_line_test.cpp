@@ -6,9 +6,8 @@
 
 #include <random>
 
-#include "io/memory_queue.h"
-#include "io/memory_stream.h"
-#include "io/unix_line_socket.h"
+#include "io/memory_line.h"
+#include "io/unix_line.h"
 #include "io/unix_listener.h"
 #include "link/link_rig.h"
 

@@ -1,4 +1,4 @@
-#include "io/memory_queue.h"
+#include "io/memory_line.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

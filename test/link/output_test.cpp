@@ -5,7 +5,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "io/unix_line_socket.h"
+#include "io/unix_line.h"
 #include "io/unix_listener.h"
 #include "link/link_rig.h"
 

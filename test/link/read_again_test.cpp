@@ -1,4 +1,4 @@
-#include "io/read_again.h"
+#include "io/input.h"
 
 #include <gtest/gtest.h>
 

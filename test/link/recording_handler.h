@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "io/input_handler.h"
+#include "io/input.h"
 #include "io/output.h"
 
 namespace limb_ring::link {

@@ -1,4 +1,4 @@
-#include "io/sequence_check.h"
+#include "io/datagram_input.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "io/silence.h"
+#include "io/input.h"
 
 #include <gtest/gtest.h>
 

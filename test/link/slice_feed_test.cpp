@@ -1,4 +1,4 @@
-#include "io/slice_feed.h"
+#include "io/input.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "io/successor.h"
+#include "io/output.h"
 
 #include <gmock/gmock.h>
 

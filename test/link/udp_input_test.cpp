@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "io/link_header.h"
-#include "io/udp_batch.h"
-#include "io/unix_line_socket.h"
+#include "io/udp_socket.h"
+#include "io/unix_line.h"
 #include "link/hand_made_datagram.h"
 #include "link/link_rig.h"
 

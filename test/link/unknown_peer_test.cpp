@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "io/link_header.h"
-#include "io/unix_line_socket.h"
+#include "io/unix_line.h"
 #include "link/link_rig.h"
 
 namespace limb_ring::link {

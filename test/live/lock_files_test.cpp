@@ -1,5 +1,5 @@
 // What is known of daemons by the files in their ring's folder.
-#include "ring/lock_files.h"
+#include "ring/ring_files.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -8,10 +8,10 @@
 #include <atomic>
 #include <thread>
 
-#include "io/lock_file.h"
 #include "io/node_notes.h"
+#include "io/regular_file.h"
 #include "limb_ring/ring_directory.h"
-#include "node/node_lock.h"
+#include "node/host_server.h"
 #include "ring/live_faults.h"
 #include "ring/running_daemons.h"
 #include "support/node_literal.h"

@@ -1,4 +1,4 @@
-#include "ring/private_folder.h"
+#include "ring/launched_ring.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "model/compared_ring.h"
-#include "sim/mended_ring.h"
-#include "study/soak/random_faults.h"
+#include "sim/virtual_line_faults.h"
+#include "study/random_faults.h"
 
 namespace limb_ring::model {
 namespace {

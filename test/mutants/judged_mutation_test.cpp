@@ -8,12 +8,12 @@
 #include <fstream>
 #include <random>
 
-#include "judge/recorder_file.h"
-#include "judge/replayed_promises.h"
+#include "judge/flight_recorder.h"
+#include "judge/replayed_ring.h"
 #include "mutants/mutation.h"
 #include "promises/judged_ring.h"
 #include "recorder/recorded_lives.h"
-#include "sim/mended_ring.h"
+#include "sim/virtual_line_faults.h"
 
 namespace limb_ring::promises {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "model/compared_ring.h"
 #include "mutants/mutation.h"
-#include "study/soak/random_faults.h"
+#include "study/random_faults.h"
 
 namespace limb_ring::model {
 namespace {

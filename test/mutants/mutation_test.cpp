@@ -4,8 +4,8 @@
 
 #include "mutants/mutation.h"
 #include "sim/virtual_line_faults.h"
-#include "study/explore/exploration.h"
-#include "study/soak/random_faults.h"
+#include "study/exploration.h"
+#include "study/random_faults.h"
 
 namespace limb_ring::study {
 namespace {

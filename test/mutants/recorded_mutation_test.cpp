@@ -4,7 +4,7 @@
 
 #include "mutants/mutation.h"
 #include "recorder/recorded_lives.h"
-#include "study/soak/random_faults.h"
+#include "study/random_faults.h"
 
 namespace limb_ring::recorder {
 namespace {

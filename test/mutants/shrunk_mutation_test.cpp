@@ -6,7 +6,7 @@
 
 #include "mutants/mutation.h"
 #include "sim/load_scenario.h"
-#include "study/soak/shrunk_soak.h"
+#include "study/shrunk_soak.h"
 
 namespace limb_ring::study {
 namespace {

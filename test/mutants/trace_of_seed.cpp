@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "sim/trace.h"
-#include "study/soak/random_faults.h"
+#include "study/random_faults.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {

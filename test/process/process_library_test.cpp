@@ -8,13 +8,10 @@
 #include <csignal>
 #include <filesystem>
 
-#include "io/back_off.h"
 #include "io/child.h"
-#include "io/exit_status.h"
-#include "io/find_program.h"
 #include "io/mapped_file.h"
-#include "io/process_handle.h"
 #include "io/process_state.h"
+#include "io/program.h"
 #include "io/signal_wait.h"
 #include "io/spawn.h"
 #include "io/wall_clock.h"

@@ -1,5 +1,5 @@
 // daemon/io: temporary folders, and what is left of them where their process was killed.
-#include "io/temporary_folder.h"
+#include "io/regular_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/inotify.h>

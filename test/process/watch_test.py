@@ -213,7 +213,7 @@ class SavedByThemselves(WatchingTest):
         self.replay(os.path.join(self.saves, saved))
 
     def falsify_what_was_taken(self, node, data):
-        """In what the node lets see, its CPU gets other data (judge/observation.h)."""
+        """In what the node lets see, its CPU gets other data (judge/promise.h)."""
         with open(os.path.join(self.ring_folder(), '%d.watch' % node), 'r+b') as file:
             seen = mmap.mmap(file.fileno(), 0)
             content = struct.pack('<I', zlib.crc32(data))

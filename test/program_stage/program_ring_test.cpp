@@ -1,5 +1,5 @@
 // Which program is the CPU of which node, and what cannot be played with programs.
-#include "node/program_ring.h"
+#include "node/program_stage.h"
 
 #include "scenario/scenario_text.h"
 

@@ -1,5 +1,5 @@
 // What a CPU has taken, by its credit.
-#include "node/taken_packets.h"
+#include "node/program_stage.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "judge/promise_judge.h"
-#include "wire/outcome.h"
 #include "wire/packet.h"
 
 namespace limb_ring::promises {

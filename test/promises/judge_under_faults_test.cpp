@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "promises/judged_ring.h"
-#include "study/soak/random_faults.h"
+#include "study/random_faults.h"
 
 namespace limb_ring::promises {
 namespace {

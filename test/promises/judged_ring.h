@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "judge/node_observer.h"
+#include "judge/observation_file.h"
 #include "judge/promise_judge.h"
 #include "sim/virtual_ring.h"
 

@@ -3,10 +3,7 @@
 
 #include <vector>
 
-#include "judge/abridged.h"
-#include "judge/record_format.h"
-#include "judge/record_reader.h"
-#include "judge/record_writer.h"
+#include "judge/record.h"
 #include "support/packets.h"
 #include "support/view.h"
 

@@ -1,11 +1,10 @@
 // The data of packets that was left out of a recording: as another node has recorded it, or made up.
-#include "judge/packet_data.h"
+#include "judge/record.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "judge/abridged.h"
 #include "support/packets.h"
 #include "support/view.h"
 

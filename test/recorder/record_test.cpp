@@ -1,9 +1,8 @@
 // Records of a core's inputs: as they were written, and refused where no driver of a core would leave them.
 #include <gtest/gtest.h>
 
-#include "judge/record_reader.h"
-#include "judge/record_writer.h"
-#include "judge/text_archive.h"
+#include "judge/record.h"
+#include "judge/replay.h"
 
 namespace limb_ring::recorder {
 namespace {

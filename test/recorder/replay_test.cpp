@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "recorder/recorded_lives.h"
-#include "study/soak/random_faults.h"
+#include "study/random_faults.h"
 #include "support/packets.h"
 
 namespace limb_ring::recorder {

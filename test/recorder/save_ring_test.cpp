@@ -1,5 +1,5 @@
 // Recordings of a ring: saved, whatever one of them is; old saves go, and only those of the ring.
-#include "judge/save_ring.h"
+#include "judge/recording.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <iterator>
 #include <set>
 
-#include "judge/recorder_file.h"
+#include "judge/flight_recorder.h"
 #include "sim/virtual_ring.h"
 #include "support/temporary_folder.h"
 

@@ -12,13 +12,12 @@
 #include <random>
 #include <sstream>
 
-#include "judge/recorder_file.h"
-#include "judge/replay_capture.h"
+#include "judge/flight_recorder.h"
 #include "judge/replayed_ring.h"
 #include "sim/virtual_ring.h"
 #include "support/temporary_folder.h"
 #include "support/thrown.h"
-#include "wire/pcapng_reader.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::recorder {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "ros/small_robot.h"
+#include "ros_bridge/command_sender.h"
 #include "ros_bridge/ros_clock.h"
-#include "ros_bridge/waiting_commands.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "ros_bridge/event_conversion.h"
+#include "ros_bridge/events_out.h"
 
 #include <gmock/gmock.h>
 

@@ -3,8 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ros/small_robot.h"
-#include "ros_bridge/frame_conversion.h"
-#include "ros_bridge/frame_filter.h"
+#include "ros_bridge/frames_out.h"
 #include "support/node_literal.h"
 #include "support/packets.h"
 

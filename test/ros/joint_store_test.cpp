@@ -1,9 +1,8 @@
-#include "ros_bridge/joint_store.h"
+#include "ros_bridge/conversions.h"
 
 #include <gmock/gmock.h>
 
 #include "ros/small_robot.h"
-#include "ros_bridge/joint_map.h"
 
 namespace limb_ring::bridge {
 namespace {

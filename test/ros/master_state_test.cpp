@@ -1,4 +1,4 @@
-#include "ros_bridge/master_state.h"
+#include "ros_bridge/two_names.h"
 
 #include <gtest/gtest.h>
 #include <ros/init.h>

@@ -1,4 +1,4 @@
-#include "ros_bridge/periodic_calls.h"
+#include "ros_bridge/ring_port.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "ros_bridge/publisher_check.h"
+#include "ros_bridge/topic_in.h"
 
 #include <gtest/gtest.h>
 

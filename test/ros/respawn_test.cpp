@@ -1,4 +1,4 @@
-#include "ros_bridge/respawn.h"
+#include "ros_bridge/node_main.h"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>

@@ -1,4 +1,4 @@
-#include "ros_bridge/service_request.h"
+#include "ros_bridge/services.h"
 
 #include <gmock/gmock.h>
 

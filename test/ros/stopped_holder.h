@@ -7,7 +7,7 @@
 
 #include "config/ring_config.h"
 #include "limb_ring/ring_directory.h"
-#include "node/node_lock.h"
+#include "node/host_server.h"
 
 namespace limb_ring::bridge {
 

@@ -5,8 +5,6 @@
 
 #include "config/load_ring.h"
 #include "ros/small_robot.h"
-#include "ros_bridge/limb_marks.h"
-#include "ros_bridge/node_colour.h"
 #include "ros_bridge/ring_picture.h"
 #include "ros_bridge/status_conversion.h"
 

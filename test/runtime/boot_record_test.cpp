@@ -1,5 +1,5 @@
 // A new process of a node goes on from the boot number of the former one.
-#include "node/boot_record.h"
+#include "node/node_folder.h"
 
 #include <gtest/gtest.h>
 

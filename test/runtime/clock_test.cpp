@@ -1,5 +1,5 @@
 // A robot stays on: the daemon's clock a century after its start.
-#include "node/clock.h"
+#include "node/node_driver.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/machine_clock.h"
+#include "io/node_clock.h"
 #include "io/process_state.h"
 #include "node/cpu_process.h"
 #include "support/run_until.h"

@@ -1,8 +1,6 @@
-#include "node/lately_damaged.h"
+#include "node/event_router.h"
 
 #include <gmock/gmock.h>
-
-#include "node/round_trips.h"
 
 namespace limb_ring::runtime {
 namespace {

@@ -1,9 +1,9 @@
 // What clients write in JSON, before anything of it is done.
-#include "node/request_fields.h"
+#include "node/requests.h"
 
 #include <gmock/gmock.h>
 
-#include "node/observe_filter.h"
+#include "node/observers.h"
 
 namespace limb_ring::runtime {
 namespace {

@@ -1,5 +1,5 @@
 // Who asked for a send is read back from the number that the core carries.
-#include "node/send_owner.h"
+#include "node/session.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "node/silence_watch.h"
+#include "node/cpu_status.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a scenario asks for that no live daemon can give, and that nothing else is refused.
-#include "sim/only_virtual.h"
+#include "sim/scenario_report.h"
 
 #include "scenario/scenario_text.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scenario/scenario_text.h"
-#include "sim/only_virtual.h"
+#include "sim/scenario_report.h"
 #include "sim/scenario_shrink.h"
 
 namespace limb_ring::scenario {

@@ -1,5 +1,5 @@
 // What nodes must agree on, out of their rings' files.
-#include "node/agreement.h"
+#include "node/link_settings.h"
 
 #include <gtest/gtest.h>
 

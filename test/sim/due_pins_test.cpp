@@ -1,5 +1,5 @@
 // Which pins a node has to pull, as the soak judges it.
-#include "judge/due_pins.h"
+#include "judge/sent_judge.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

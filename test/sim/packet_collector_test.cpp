@@ -1,4 +1,4 @@
-#include "judge/packet_collector.h"
+#include "judge/forwarding_checker.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/wake_times.h"
+#include "sim/delay_line.h"
 
 #include <gmock/gmock.h>
 

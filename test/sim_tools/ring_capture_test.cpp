@@ -1,13 +1,13 @@
-#include "sim/ring_capture.h"
+#include "sim/planned_ring.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <sstream>
 
-#include "study/analysis/cases.h"
+#include "study/cases.h"
 #include "support/node_literal.h"
-#include "wire/pcapng_reader.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::study {
 namespace {

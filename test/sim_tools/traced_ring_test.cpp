@@ -5,11 +5,10 @@
 
 #include <sstream>
 
-#include "sim/ring_capture.h"
-#include "study/analysis/cases.h"
+#include "sim/planned_ring.h"
+#include "study/cases.h"
 #include "support/node_literal.h"
-#include "wire/pcapng_reader.h"
-#include "wire/trip_choice.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::study {
 namespace {

@@ -141,7 +141,7 @@ class Contents(unittest.TestCase):
         self.assertCountEqual(rows(section(self.page, "10.2")) + rows(section(self.page, "10.3")), counted)
 
     def test_every_counter_of_faults_on_purpose_is_listed(self):
-        counted = re.findall(r'X\((\w+), "', read(os.path.join("daemon", "config", "line_counters.h")))
+        counted = re.findall(r'X\((\w+), "', read(os.path.join("daemon", "config", "line_faults.h")))
         self.assertGreater(len(counted), 8)
         self.assertCountEqual(rows(section(self.page, "10.4")), counted)
 
@@ -158,7 +158,7 @@ class Contents(unittest.TestCase):
             self.assertIn("`%s...`" % prefix, section(self.page, "10"))
 
     def test_every_counter_that_tells_of_an_error_is_one_of_these(self):
-        told = re.findall(r'\{Of::\w+, "(\w+)", ', read(os.path.join("daemon", "ring", "error_counters.cpp")))
+        told = re.findall(r'\{Of::\w+, "(\w+)", ', read(os.path.join("daemon", "ring", "status_rows.cpp")))
         self.assertGreater(len(told), 20)
         counted = rows(section(self.page, "10.1")) + rows(section(self.page, "10.5"))
         for prefix, number in (("input_", "10.2"), ("output_", "10.3")):

@@ -9,13 +9,12 @@
 #include <vector>
 
 #include "core/transmit/flight.h"
-#include "io/endpoint.h"
+#include "io/agreement.h"
 #include "io/link_header.h"
 #include "support/node_literal.h"
 #include "support/view.h"
 #include "wire/control_message.h"
-#include "wire/fold_word.h"
-#include "wire/interrupt_packet.h"
+#include "wire/packet.h"
 #include "wire/slice.h"
 
 namespace limb_ring {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "study/comparison/network.h"
+#include "comparison/network.h"
 
 namespace limb_ring::study {
 

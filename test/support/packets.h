@@ -3,8 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "wire/data_packet.h"
-#include "wire/interrupt_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::test {
 

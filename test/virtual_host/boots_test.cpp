@@ -1,5 +1,5 @@
 // CPUs of a virtual ring that boot: whom its clock waits for.
-#include "node/virtual_boots.h"
+#include "node/lockstep.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "node/virtual_node_faults.h"
+#include "node/virtual_node.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Traffic that the daemon itself makes, on a virtual ring.
-#include "node/traffic.h"
+#include "node/event_router.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "node/turnaround.h"
+#include "node/steering.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

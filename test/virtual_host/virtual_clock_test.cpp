@@ -1,4 +1,4 @@
-#include "node/virtual_clock.h"
+#include "node/steering.h"
 
 #include <gtest/gtest.h>
 

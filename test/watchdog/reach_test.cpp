@@ -1,5 +1,5 @@
 // Who reaches whom in an open chain.
-#include "config/reach.h"
+#include "config/watchdog.h"
 #include "support/node_literal.h"
 
 #include <gtest/gtest.h>

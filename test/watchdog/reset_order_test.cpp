@@ -1,5 +1,5 @@
 // What becomes of a reset: what the interrupt says, and what the boot number says where that says nothing.
-#include "config/reset_order.h"
+#include "config/watchdog.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
-#include "wire/fold_word.h"
 #include "support/node_literal.h"
+#include "wire/slice.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include "core/fold/held_slices.h"
 #include "core/line.h"
 #include "core/state_table.h"
-#include "wire/fold_word.h"
+#include "wire/slice.h"
 
 namespace limb_ring::core {
 

@@ -5,7 +5,7 @@
 
 #include "core/slot_queue.h"
 #include "core/time.h"
-#include "wire/data_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::core {
 

@@ -7,7 +7,7 @@
 #include "core/settings.h"
 #include "core/slot_queue.h"
 #include "core/transmit/transmit.h"
-#include "wire/interrupt_packet.h"
+#include "wire/packet.h"
 #include "wire/slice.h"
 
 namespace limb_ring::core {

@@ -7,7 +7,7 @@
 #include "core/receive/duplicate_memory.h"
 #include "core/settings.h"
 #include "core/slot_queue.h"
-#include "wire/data_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::core {
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/time.h"
-#include "wire/data_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::core {
 

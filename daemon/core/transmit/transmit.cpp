@@ -1,6 +1,6 @@
 #include "core/transmit/transmit.h"
 
-#include "wire/interrupt_packet.h"
+#include "wire/packet.h"
 
 namespace limb_ring::core {
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fstream>
 #include <string>
 
 namespace limb_ring::app {
@@ -10,5 +11,33 @@ namespace limb_ring::app {
 /// @return its path; `given` where it holds a '/' or a '.', or is a file
 /// @throw config::ConfigError naming the folders, where there is none
 std::string ring_file(const std::string& given);
+
+/// For `-`, standard output where that is free for it.
+inline constexpr const char* kStandardOutput = "-";
+
+/// For those that write their report to standard output. @return what is wrong where `path` is kStandardOutput, else
+/// empty
+std::string why_no_file(const std::string& path);
+
+/// @return what is wrong: the file and the system's reason; empty where it can be written now. kStandardOutput is
+/// refused: callers whose report goes elsewhere then take it before.
+std::string open_for_writing(std::ofstream& file, const std::string& path);
+
+/// The same without touching the file: for what is written only at the end, and perhaps not at all.
+std::string why_not_writable(const std::string& path);
+
+/// Makes the folder, with those above it, where it is not there.
+/// @return what is wrong: the folder and the system's reason; empty where files can be made in it now
+std::string make_output_folder(const std::string& folder);
+
+/// Whether both are there and are one file: what is to be read from the one would be lost where the other is written.
+bool is_same_file(const std::string& one, const std::string& other);
+
+/// Whether both name one file that is to be written, be it there already or not. Devices (/dev/null) may be shared.
+bool is_same_output(const std::string& one, const std::string& other);
+
+/// False where standard output is a pipe that nobody reads any more (`| head -1`). For callers that wait
+/// until there is something to write.
+bool is_output_read();
 
 }  // namespace limb_ring::app

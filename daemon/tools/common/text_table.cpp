@@ -1,11 +1,15 @@
 #include "tools/common/text_table.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <sstream>
 
 namespace limb_ring::app {
-
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -72,6 +76,90 @@ std::string number(double value, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
   return text;
+}
+
+namespace {
+
+/// Picoseconds of a time in us, at most 6 decimals, no trailing zeros.
+std::string real(double value) {
+  if (value != 0 && std::abs(value) < 1e-6) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+  }
+  std::string text = number(value, 6);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+std::string cell(const Row& value) {
+  if (value.is_null()) return "-";
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return real(value.get<double>());
+  return value.dump();
+}
+
+std::vector<std::string> heading(const Row& row) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : row.items()) names.push_back(name);
+  return names;
+}
+
+std::vector<std::vector<std::string>> cells(const std::vector<Row>& rows) {
+  std::vector<std::vector<std::string>> out{heading(rows.front())};
+  for (const Row& row : rows) {
+    out.emplace_back();
+    for (const auto& [name, value] : row.items()) out.back().push_back(cell(value));
+  }
+  return out;
+}
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+std::string csv(const std::vector<std::vector<std::string>>& table) {
+  std::string out;
+  for (const auto& row : table)
+    for (std::size_t i = 0; i < row.size(); ++i)
+      out += quoted(row[i] == "-" ? "" : row[i]) + (i + 1 < row.size() ? "," : "\n");
+  return out;
+}
+
+}  // namespace
+
+std::string format_rows(const std::vector<Row>& rows, Format format) {
+  // A path may be any bytes; JSON is UTF-8.
+  if (format == Format::json)
+    return Row(rows).dump(2, ' ', /*ensure_ascii=*/false, Row::error_handler_t::replace) + "\n";
+  if (rows.empty()) return "";
+  return format == Format::csv ? csv(cells(rows)) : text_table(cells(rows));
+}
+
+bool colour_wanted(int file) {
+  const char* no_colour = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  const bool refused =
+      (no_colour != nullptr && *no_colour != '\0') || (terminal != nullptr && std::strcmp(terminal, "dumb") == 0);
+  return !refused && ::isatty(file) == 1;
+}
+
+namespace {
+
+/// Means nothing else to a shell, wherever it stands.
+constexpr const char* kPlainCharacters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+
+}  // namespace
+
+std::string shell_word(const std::string& word) {
+  if (!word.empty() && word.find_first_not_of(kPlainCharacters) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
 }
 
 }  // namespace limb_ring::app

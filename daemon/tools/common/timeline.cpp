@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "tools/capture_text/packet_text.h"
-#include "wire/data_packet.h"
+#include "tools/common/packet_text.h"
+#include "wire/packet.h"
 #include "wire/packet_trips.h"
 
 namespace limb_ring::app {

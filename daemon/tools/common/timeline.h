@@ -3,8 +3,8 @@
 #include <iosfwd>
 #include <vector>
 
-#include "wire/pcapng_reader.h"
-#include "wire/seen_packet.h"
+#include "wire/packet_assembler.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::app {
 

@@ -6,10 +6,10 @@
 
 #include <unistd.h>
 
-#include "io/standard_descriptors.h"
+#include "io/spawn.h"
 #include "limb_ring/joint_node.h"
 #include "limb_ring/payload/packet_type.h"
-#include "tools/cli/output.h"
+#include "tools/common/command_line.h"
 #include "tools/firmware/fault_command.h"
 #include "tools/firmware/options.h"
 #include "tools/firmware/simulated_limb.h"

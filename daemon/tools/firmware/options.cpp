@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "config/load_ring.h"
-#include "tools/cli/command_line.h"
-#include "tools/cli/values.h"
+#include "tools/common/command_line.h"
 
 namespace limb_ring::firmware {
 namespace {

@@ -3,16 +3,12 @@
 #include <iostream>
 #include <limits>
 
-#include "config/config_error.h"
 #include "config/quantity.h"
-#include "sim/watched_ring.h"
-#include "tools/cli/command_line.h"
-#include "tools/cli/values.h"
-#include "tools/common/shell_word.h"
-#include "tools/ring_sim/commands.h"
-#include "tools/ring_sim/problems.h"
-#include "wire/data_packet.h"
-#include "wire/pcapng_reader.h"
+#include "sim/invariants.h"
+#include "tools/common/command_line.h"
+#include "tools/common/text_table.h"
+#include "wire/packet.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::ring_sim {
 

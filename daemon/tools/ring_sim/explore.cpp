@@ -8,11 +8,9 @@
 #include "core/time.h"
 #include "io/signal_wait.h"
 #include "sim/trace.h"
-#include "study/explore/exploration.h"
-#include "tools/cli/values.h"
-#include "tools/ring_sim/commands.h"
-#include "tools/ring_sim/problems.h"
-#include "tools/ring_sim/progress.h"
+#include "study/exploration.h"
+#include "tools/common/command_line.h"
+#include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
 

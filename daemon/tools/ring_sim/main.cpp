@@ -2,10 +2,9 @@
 
 #include <csignal>
 
-#include "io/standard_descriptors.h"
-#include "tools/cli/output.h"
+#include "io/spawn.h"
+#include "tools/common/command_line.h"
 #include "tools/ring_sim/command_line.h"
-#include "tools/ring_sim/problems.h"
 
 namespace {
 

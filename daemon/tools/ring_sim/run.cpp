@@ -1,19 +1,22 @@
+#include "tools/ring_sim/run.h"
+
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <sstream>
 
-#include "tools/cli/output.h"
-#include "tools/cli/values.h"
-#include "tools/common/out_file.h"
+#include "core/time.h"
+#include "sim/trace.h"
+#include "tools/common/command_line.h"
+#include "tools/common/packet_text.h"
+#include "tools/common/ring_file.h"
+#include "tools/common/text_table.h"
 #include "tools/common/timeline.h"
-#include "tools/ring_sim/case_rows.h"
-#include "tools/ring_sim/commands.h"
-#include "tools/ring_sim/problems.h"
-#include "tools/ring_sim/progress.h"
+#include "tools/ring_sim/command_line.h"
+#include "wire/capture_comparison.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::ring_sim {
-
 namespace {
 
 using study::Case;
@@ -106,6 +109,198 @@ void add_run(CLI::App& app, Context& context) {
   command->add_option("--perfetto", options->perfetto, "Write them there as a timeline, which ui.perfetto.dev loads")
       ->excludes(capture);
   add_format(*command, options->format);
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
+}
+
+namespace {
+
+struct TableOptions {
+  study::Medium medium;
+  std::uint64_t seed = 1;
+  bool alone = false;
+  app::Format format = app::Format::text;
+};
+
+class Table {
+ public:
+  explicit Table(const TableOptions& options) : options_(options) {}
+
+  void add(Case which, const study::Medium& medium) {
+    study::CaseRecords records;
+    records.goes_on = [&] { progress_.tell(case_words(which, medium)); };
+    rows_.push_back(case_row(which, medium, run_case(which, medium, options_.seed, records)));
+  }
+  void add_nodes() {
+    for (const unsigned nodes : {2u, 4u, 8u, 16u, 32u, 64u, 128u, 254u})
+      for (const Case which :
+           {Case::alone, Case::simultaneous, Case::adversarial, Case::request, Case::interrupt, Case::saturated}) {
+        study::Medium medium = options_.medium;
+        medium.nodes = nodes;
+        add(which, medium);
+      }
+  }
+  void add_payloads() {
+    for (const unsigned payload : {1u, 16u, 64u, 128u, 256u, 512u})
+      for (const Case which : {Case::alone, Case::simultaneous, Case::adversarial, Case::saturated, Case::payload}) {
+        study::Medium medium = options_.medium;
+        medium.payload = payload;
+        add(which, medium);
+      }
+  }
+  const std::vector<app::Row>& rows() const { return rows_; }
+
+ private:
+  const TableOptions& options_;
+  Progress progress_;
+  std::vector<app::Row> rows_;
+};
+
+// In text, what all rows have in common is said once.
+std::string in_text(const std::vector<app::Row>& rows, const TableOptions& options) {
+  std::vector<app::Row> shown;
+  for (const app::Row& row : rows) {
+    shown.push_back(row);
+    for (const char* common : {"rate_bps", "relay_delay_ns"}) shown.back().erase(common);
+  }
+  const study::Medium& medium = options.medium;
+  return app::format_rows(shown, app::Format::text) + "\nR = " + std::to_string(medium.rate) +
+         " bit/s, d = " + std::to_string(core::picoseconds(medium.relay_delay)) + " ps, seed " +
+         std::to_string(options.seed) +
+         ". T = (B + 12) bytes on the line, i = 12 bytes.\n"
+         "measured_us is the worst of its case. Asked a picosecond after a packet of another began to pass,\n"
+         "`request` stays that much below its formula; `interrupt_bound` and `random` are the worst that was\n"
+         "seen, their formulas bounds. d is our inference: the paper does not state it.\n";
+}
+
+int run(const TableOptions& options) {
+  Table table(options);
+  for (const Case which : study::kCases) table.add(which, options.medium);
+  if (!options.alone) {
+    table.add_nodes();
+    table.add_payloads();
+  }
+  std::cout << (options.format == app::Format::text ? in_text(table.rows(), options)
+                                                    : app::format_rows(table.rows(), options.format));
+  return kDone;
+}
+
+}  // namespace
+
+void add_table(CLI::App& app, Context& context) {
+  auto options = std::make_shared<TableOptions>();
+  CLI::App* command = add_command(app, "table", "Print every case of the paper, formula and measured",
+                                  "ring_sim table --only", kCasesHelp);
+  add_medium(*command, options->medium);
+  add_seed(*command, options->seed);
+  command->add_flag("--only", options->alone, "Leave out the other numbers of nodes and payloads");
+  add_format(*command, options->format);
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
+}
+
+using study::microseconds;
+
+namespace {
+
+constexpr double kPercent = 100;
+
+/// A share in percent, to 6 decimals: more is but rounding of the division.
+double exact_percent(double share) {
+  return static_cast<double>(static_cast<std::int64_t>(share * kPercent * 1e6 + 0.5)) / 1e6;
+}
+
+}  // namespace
+
+std::string case_words(study::Case which, const study::Medium& medium) {
+  return std::string(to_string(which)) + ", " + app::counted(medium.nodes, "node") + ", " +
+         app::counted(medium.payload, "byte");
+}
+
+app::Row case_row(study::Case which, const study::Medium& medium, const study::CaseResult& result) {
+  app::Row row{{"case", to_string(which)},
+               {"nodes", medium.nodes},
+               {"payload", medium.payload},
+               {"rate_bps", medium.rate},
+               {"relay_delay_ns", static_cast<double>(medium.relay_delay.count()) / 1e3},
+               {"formula", study::formula_words(which, medium)}};
+  const bool time = !result.has_share;
+  const core::Duration worst = result.measured.max();
+  row["formula_us"] = time ? app::Row(microseconds(result.formula)) : app::Row();
+  row["measured_us"] = time ? app::Row(microseconds(worst)) : app::Row();
+  row["difference_us"] = time ? app::Row(microseconds(worst - result.formula)) : app::Row();
+  row["formula_percent"] = time ? app::Row() : app::Row(exact_percent(result.formula_share));
+  row["measured_percent"] = time ? app::Row() : app::Row(exact_percent(result.measured_share));
+  return row;
+}
+
+app::Row run_row(study::Case which, const study::Medium& medium, const study::CaseResult& result, std::uint64_t seed) {
+  app::Row row = case_row(which, medium, result);
+  row["packets"] = result.measured.count();
+  row["min_us"] = microseconds(result.measured.min());
+  row["mean_us"] = microseconds(result.measured.mean());
+  row["p99_us"] = microseconds(result.measured.quantile(0.99));
+  row["max_us"] = microseconds(result.measured.max());
+  row["occupancy_percent"] = exact_percent(result.occupancy);
+  row["seed"] = seed;
+  row["trace_hash"] = sim::hash_text(result.trace_hash);
+  return row;
+}
+
+namespace {
+
+struct CompareTracesOptions {
+  std::string first, second;
+};
+
+std::string line_of(const std::optional<capture::PcapngReader::Record>& record, const capture::RingNames& names) {
+  if (!record) return "ends here";
+  app::PacketText text(names, {});
+  return std::visit([&text](const auto& of) { return text.line(of); }, *record);
+}
+
+/// Where one ends in the middle, nobody knows what would have come next: neither the same nor different.
+/// @throw UsageError
+void require_whole(const capture::PcapngReader& reader, const std::string& path) {
+  if (reader.cut_short()) throw UsageError(path + " ends in the middle of a packet: it cannot be compared further");
+}
+
+int tell(const capture::CaptureComparison& result, const CompareTracesOptions& options, const capture::RingNames& first,
+         const capture::RingNames& second) {
+  const std::string equal = std::to_string(result.equal) + " packets and events";
+  if (result.same()) {
+    std::cout << "the same: " << equal << std::endl;
+    return kDone;
+  }
+  std::cout << "the first " << equal << " are the same, then they differ";
+  if (result.first && result.second) std::cout << " (" << difference(*result.first, *result.second) << ")";
+  std::cout << ":\n"
+            << options.first << "  " << line_of(result.first, first) << '\n'
+            << options.second << "  " << line_of(result.second, second) << std::endl;
+  return kBroken;
+}
+
+int run(const CompareTracesOptions& options) {
+  capture::CaptureFile first(options.first), second(options.second);
+  const auto tell_progress = [progress = Progress()](std::uint64_t equal) mutable {
+    progress.tell("compared " + std::to_string(equal) + " packets and events");
+  };
+  const capture::CaptureComparison result = compare(first.reader(), second.reader(), tell_progress);
+  if (!result.first) require_whole(first.reader(), options.first);
+  if (!result.second) require_whole(second.reader(), options.second);
+  return tell(result, options, first.reader().names(), second.reader().names());
+}
+
+}  // namespace
+
+void add_compare_traces(CLI::App& app, Context& context) {
+  auto options = std::make_shared<CompareTracesOptions>();
+  CLI::App* command = add_command(app, "compare-traces", "Name the first packet in which two captures differ",
+                                  "ring_sim compare-traces first.pcapng second.pcapng",
+                                  "Both are of rings on a virtual clock. Ends with 1 if they differ.");
+  command
+      ->add_option("A", options->first,
+                   "pcapng, from 'ringctl up --clock virtual --capture', 'ringctl scenario run' or 'ring_sim run'")
+      ->required();
+  command->add_option("B", options->second, "pcapng of another run")->required();
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 

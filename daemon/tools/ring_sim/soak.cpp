@@ -11,14 +11,11 @@
 #include "core/time.h"
 #include "io/signal_wait.h"
 #include "sim/trace.h"
-#include "study/soak/shrunk_soak.h"
-#include "tools/cli/output.h"
-#include "tools/cli/values.h"
-#include "tools/common/out_file.h"
-#include "tools/common/shell_word.h"
-#include "tools/ring_sim/commands.h"
-#include "tools/ring_sim/problems.h"
-#include "tools/ring_sim/progress.h"
+#include "study/shrunk_soak.h"
+#include "tools/common/command_line.h"
+#include "tools/common/ring_file.h"
+#include "tools/common/text_table.h"
+#include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
 

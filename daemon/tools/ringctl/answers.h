@@ -1,8 +1,10 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,5 +36,16 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::m
 /// Asks all of these nodes at the same time.
 std::vector<Answer> ask_all(const std::string& ring, const std::vector<NodeName>& nodes, const nlohmann::json& request,
                             Deadline deadline = kNoDeadline);
+
+// The daemon that answers may be of another version, or no ringd at all: before its answer is read, it is looked at
+// whether everything in it that is read is as docs/reference/requests.md has it.
+
+/// What is wrong with a status row of that node, as "'cpu.state' is not a string"; empty: nothing.
+std::string wrong_in_row(const nlohmann::json& row, std::uint8_t node);
+/// The same of an answer to "config".
+std::string wrong_in_config(const nlohmann::json& config);
+
+/// "unexpected reply from its daemon: 'cpu.state' is not a string; ...", with what to do.
+std::string sentence_of_shape(const std::string& wrong);
 
 }  // namespace limb_ring::ringctl

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "wire/pcapng_writer.h"
-#include "wire/selection.h"
+#include "wire/packet_assembler.h"
+#include "wire/packet_filter.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::ringctl {
 
@@ -28,5 +30,22 @@ capture::Choice choice_of(const FilterWords& words, const capture::RingNames& na
 
 /// As `packets` of an observe order (docs/reference/requests.md).
 nlohmann::json order_of(const capture::Choice& choice);
+
+/// What `trace` reads.
+struct SeenPackets {
+  capture::RingNames names;
+  std::vector<capture::SeenPacket> packets;
+  std::vector<capture::CapturedEvent> events;
+  std::uint64_t lost = 0;  ///< missing: read too slowly, or more than the window of a live capture holds
+};
+
+/// Says on standard error what is wrong with a capture, as far as it was read.
+void tell_problems(const capture::PcapngReader& reader);
+
+/// All packets of a capture file. @throw capture::CaptureFileError
+SeenPackets packets_of_file(const std::string& path);
+/// What is on all lines of a running ring for so long, or until somebody asks it to end.
+/// @throw HostPortError, NoRing
+SeenPackets packets_of_ring(const std::string& ring, std::chrono::nanoseconds how_long);
 
 }  // namespace limb_ring::ringctl

@@ -1,13 +1,45 @@
 #pragma once
 
+#include <iosfwd>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "tools/ringctl/capture_sink.h"
+#include "tools/common/packet_text.h"
 #include "tools/ringctl/ring_access.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::ringctl {
+
+/// Where `dump` puts what it sees.
+class CaptureSink {
+ public:
+  virtual ~CaptureSink() = default;
+  virtual void packet(const CapturedPacket& packet) = 0;
+  virtual void event(const capture::CapturedEvent& event) = 0;
+  /// Writes what is buffered, since somebody may be reading it now.
+  /// @return false if nothing can be written any more (a closed pipe, a full disk)
+  virtual bool flush() = 0;
+  /// Why a flush() was false: names the file. Empty where nobody reads standard output any more (`| head`): that is no
+  /// problem.
+  const std::string& problem() const { return problem_; }
+  bool wanted() const { return wanted_; }
+
+ protected:
+  bool flush_to(std::ostream& out, const std::string& path);
+
+ private:
+  std::string problem_;
+  bool wanted_ = true;
+};
+
+/// Lines of text on standard output.
+std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const app::PacketTextOptions& options);
+/// Lines of JSON on standard output.
+std::unique_ptr<CaptureSink> json_sink(const capture::RingNames& names);
+/// pcapng in a file, or on standard output where the path is "-". @throw UsageError
+std::unique_ptr<CaptureSink> file_sink(const capture::RingNames& names, const std::string& path);
 
 /// What a dump has shown, and what became of the rest.
 struct DumpTotals {
@@ -63,5 +95,12 @@ class LiveDump {
   bool ending_ = false;
   DumpTotals totals_;
 };
+
+/// The names of a running ring and its nodes, as captures take them.
+inline capture::RingNames names_of(const RingAccess& ring) {
+  capture::RingNames names{ring.ring(), {}};
+  for (const NodeName& node : ring.nodes()) names.nodes[wire::NodeId{node.id}] = node.name;
+  return names;
+}
 
 }  // namespace limb_ring::ringctl

@@ -1,9 +1,9 @@
 #include <cstdlib>
 
 #include "config/as_read.h"
-#include "io/standard_descriptors.h"
-#include "tools/cli/output.h"
-#include "tools/ringctl/command/command_line.h"
+#include "io/spawn.h"
+#include "tools/common/command_line.h"
+#include "tools/ringctl/command_line.h"
 
 int main(int argc, char** argv) {
   ::unsetenv(limb_ring::config::kAsRead);  // where a CPU calls it, too, it reads files as they are

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "io/node_notes.h"
-#include "judge/save_ring.h"
-#include "ring/lock_files.h"
-#include "ring/not_done.h"
-#include "tools/ringctl/node_name.h"
-#include "tools/ringctl/tell_user.h"
+#include "judge/recording.h"
+#include "ring/observed_daemon.h"
+#include "ring/ring_files.h"
+#include "tools/ringctl/ring_access.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 

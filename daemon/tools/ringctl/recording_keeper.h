@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "ring/promise_watch.h"
+#include "ring/observed_daemon.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/ring_folder.h"
 

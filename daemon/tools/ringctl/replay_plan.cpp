@@ -3,9 +3,9 @@
 #include <map>
 #include <tuple>
 
-#include "tools/capture_text/packet_bytes.h"
-#include "wire/data_packet.h"
-#include "wire/filter.h"
+#include "tools/common/packet_text.h"
+#include "wire/packet.h"
+#include "wire/packet_filter.h"
 
 namespace limb_ring::ringctl {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "wire/pcapng_reader.h"
+#include "wire/pcapng.h"
 
 namespace limb_ring::ringctl {
 

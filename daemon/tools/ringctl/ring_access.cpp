@@ -1,23 +1,26 @@
 #include "tools/ringctl/ring_access.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
-#include "config/names.h"
+#include "config/ring_config.h"
 #include "io/in_parallel.h"
 #include "io/node_notes.h"
 #include "limb_ring/ring_directory.h"
-#include "ring/lock_files.h"
+#include "ring/ring_files.h"
 #include "tools/common/text_table.h"
-#include "tools/ringctl/answer_shape.h"
 #include "tools/ringctl/answers.h"
-#include "tools/ringctl/choose_ring.h"
-#include "tools/ringctl/connect_node.h"
-#include "tools/ringctl/progress.h"
 #include "tools/ringctl/ring_folder.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 
@@ -231,6 +234,113 @@ std::vector<ask::Node> RingAccess::ask_nodes() const {
 HostPort RingAccess::connect(const NodeName& node, Stay stay) const {
   require_here(node);
   return connect_node(ring(), std::to_string(node.id), stay);
+}
+
+HostPort connect_within(std::chrono::milliseconds time, const std::string& ring, const std::string& node, Stay stay) {
+  const auto deadline = std::chrono::steady_clock::now() + time;
+  return connect_node(ring, node, stay, [time, deadline] {
+    if (std::chrono::steady_clock::now() >= deadline) throw HostPortTimeout(no_answer_within(time));
+  });
+}
+
+std::string no_answer_within(std::chrono::milliseconds time) {
+  return "its daemon did not answer within " + std::to_string(time.count()) + " ms";
+}
+
+HostPortError gone(const HostPort& port, const std::string& reason) {
+  return HostPortError("node " + label({port.id(), port.name()}) + " of ring " + port.ring() + ": " + reason);
+}
+
+namespace {
+
+/// Who has come by sudo most likely means a ring of his own.
+std::string whose_else() {
+  const char* user = std::getenv("SUDO_USER");
+  if (::geteuid() != 0 || user == nullptr || *user == '\0') return "";
+  return std::string("; these are root's rings, those of ") + user + " are seen without sudo";
+}
+
+std::string valid(const std::string& ring) {
+  try {
+    ring_directory(ring);
+  } catch (const std::invalid_argument& problem) {
+    throw UsageError(problem.what());
+  }
+  return ring;
+}
+
+}  // namespace
+
+std::string named_ring(const std::string& given) {
+  if (!given.empty()) return valid(given);
+  const char* environment = std::getenv("LIMB_RING_RING");
+  return environment != nullptr && *environment != '\0' ? valid(environment) : "";
+}
+
+std::string choose_ring(const std::string& given) {
+  const std::string named = named_ring(given);
+  if (!named.empty()) return named;
+  std::vector<std::string> rings = running_rings();
+  if (rings.empty()) rings = live::held_rings();  // their daemons live, but none can be connected to
+  if (rings.empty()) {
+    const std::vector<std::string> killed = live::killed_rings();
+    if (killed.size() == 1) return killed.front();
+    const std::string unreadable = why_unreadable(rings_directory());
+    if (!unreadable.empty()) throw NoRing(rings_directory() + unreadable);
+    throw NoRing("no ring is running (looked in " + rings_directory() + ")" + whose_else());
+  }
+  if (rings.size() == 1) return rings.front();
+  throw UsageError("several rings are running: " + config::join(rings) + "; choose one with --ring");
+}
+
+std::string choose_ring(const std::string& argument, const std::string& option) {
+  if (!argument.empty() && !option.empty() && argument != option) throw UsageError("RING and --ring name two rings");
+  return choose_ring(argument.empty() ? option : argument);
+}
+
+std::string label(const NodeName& node) { return std::to_string(node.id) + " (" + node.name + ")"; }
+
+UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes) {
+  std::vector<std::string> labels, names;
+  for (const NodeName& node : nodes) {
+    labels.push_back(label(node));
+    names.push_back(node.name);
+  }
+  const std::string meant = config::closest(word, names);
+  return UsageError("unknown node '" + word + "'" + (meant.empty() ? ". " : ", did you mean '" + meant + "'? ") +
+                    "Ring " + ring + " has: " + config::join(labels));
+}
+
+using nlohmann::json;
+
+namespace {
+
+/// Below this the ring is on time: it goes on in steps.
+constexpr double kOnTime = 0.005;
+
+std::string seconds(double value) { return app::number(value, 3) + " s"; }
+
+}  // namespace
+
+void require_clock_goes(const std::string& ring) {
+  const std::string standing = standing_clock(ring);
+  if (!standing.empty()) throw NotKnown(standing + ", and what was asked for may happen then");
+}
+
+std::string pace_text(const json& pace) {
+  if (!pace.is_number()) return "max";
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", pace.get<double>());
+  return text;
+}
+
+std::string clock_words(const json& clock) {
+  if (!clock.is_object()) return "";
+  const double late = clock.at("late_s").get<double>(), lost = clock.at("lost_s").get<double>();
+  const char* stands = clock.value("paused", false) ? " stands" : "";
+  return std::string("; virtual clock") + stands + " at " + seconds(clock.at("now_s").get<double>()) + ", pace " +
+         pace_text(clock.at("pace")) + (clock.contains("allowed_ns") ? ", following another" : "") +
+         (late >= kOnTime ? ", " + seconds(late) + " late" : "") + (lost > 0 ? ", " + seconds(lost) + " lost" : "");
 }
 
 }  // namespace limb_ring::ringctl

@@ -2,15 +2,42 @@
 
 #include <chrono>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "limb_ring/host_port.h"
+#include "ring/launched_ring.h"
+#include "ring/observed_daemon.h"
 #include "ring/status_rows.h"
-#include "tools/ringctl/connect_node.h"
-#include "tools/ringctl/node_name.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
+
+using live::connect_node;
+using live::Stay;
+
+/// As connect_node(), with an end. @throw HostPortTimeout, worded by no_answer_within(), where it takes longer
+HostPort connect_within(std::chrono::milliseconds time, const std::string& ring, const std::string& node, Stay stay);
+
+/// "its daemon did not answer within 500 ms"
+std::string no_answer_within(std::chrono::milliseconds time);
+
+/// The error for a daemon that has gone while it was asked: names the node, and says why.
+HostPortError gone(const HostPort& port, const std::string& reason);
+
+/// A node as a running ring tells of it.
+struct NodeName {
+  std::uint8_t id = 0;
+  std::string name;
+  std::string host = {};  ///< empty where the ring's file gives no hosts
+};
+
+/// "12 (left_knee)"
+std::string label(const NodeName& node);
+
+/// The error for a node that the ring does not have: lists those it has, and guesses which was meant.
+UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes);
 
 /// Until when answers are waited for; by itself until each daemon has had its time.
 using Deadline = std::chrono::steady_clock::time_point;
@@ -78,5 +105,32 @@ class RingAccess {
 
   RingDescription ring_;
 };
+
+/// The ring given, else the environment's LIMB_RING_RING; empty where neither names one.
+/// @throw UsageError where that cannot be a ring's name
+std::string named_ring(const std::string& given);
+
+/// The ring that a command is for: the one given, else the environment's LIMB_RING_RING, else the only one
+/// running, else the only one that is dead because its daemons were killed on purpose.
+/// @throw NoRing where there is none; UsageError listing them where several run.
+std::string choose_ring(const std::string& given);
+
+/// The same for a command that takes the name as its argument RING, too; each may be empty.
+/// @throw also UsageError where the two differ
+std::string choose_ring(const std::string& argument, const std::string& option);
+
+using live::ring_clock;
+using live::standing_clock;
+
+/// What ring_clock() says, behind a headline: "; virtual clock at 12.345 s, pace 1, 0.020 s late, 3.100 s lost"; empty
+/// for null.
+std::string clock_words(const nlohmann::json& clock);
+
+/// To be called when what was asked for has not been answered in time. @throw NotKnown with standing_clock(), where it
+/// stands: it may happen once it goes on
+void require_clock_goes(const std::string& ring);
+
+/// "1", "0.1", "max"
+std::string pace_text(const nlohmann::json& pace);
 
 }  // namespace limb_ring::ringctl

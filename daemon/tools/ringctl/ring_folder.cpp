@@ -11,14 +11,13 @@
 #include <system_error>
 #include <thread>
 
-#include "io/throw_errno.h"
-#include "judge/recorder_file.h"
+#include "io/unique_fd.h"
+#include "judge/flight_recorder.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
-#include "ring/lock_files.h"
 #include "ring/ring_files.h"
 #include "tools/common/text_table.h"
-#include "tools/ringctl/tell_user.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "io/unique_fd.h"
-#include "tools/ringctl/progress.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 

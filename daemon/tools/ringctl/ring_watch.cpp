@@ -1,9 +1,7 @@
 #include "tools/ringctl/ring_watch.h"
 
-#include "tools/ringctl/answer_shape.h"
 #include "tools/ringctl/answers.h"
-#include "tools/ringctl/connect_node.h"
-#include "tools/ringctl/node_name.h"
+#include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {

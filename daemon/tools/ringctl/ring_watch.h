@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/ringctl/ring_plan.h"
+#include "tools/ringctl/up.h"
 
 namespace limb_ring::ringctl {
 

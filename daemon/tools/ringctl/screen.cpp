@@ -4,14 +4,19 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
+#include <future>
 #include <iostream>
+#include <set>
 #include <sstream>
+#include <utility>
 
-#include "tools/ringctl/problems.h"
+#include "limb_ring/host_port.h"
+#include "tools/ringctl/ring_access.h"
+#include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
-
 namespace {
 
 constexpr const char* kOpen = "\033[?1049h\033[?25l\033[?7l";  // another page, no cursor, what is too wide is cut
@@ -68,6 +73,89 @@ char Screen::key() const {
   char key = 0;
   if (::poll(&input, 1, 0) <= 0 || ::read(STDIN_FILENO, &key, 1) != 1) return 0;
   return key;
+}
+
+namespace {
+constexpr std::chrono::seconds kEvery{2};
+constexpr std::chrono::milliseconds kWorkTick{200};
+}  // namespace
+
+Progress::Progress(std::string ring) : ring_(std::move(ring)), next_(std::chrono::steady_clock::now() + kEvery) {}
+
+void Progress::tell(const std::string& what) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + kEvery;
+  const std::string standing = ring_.empty() ? "" : standing_clock(ring_);
+  if (!standing.empty())
+    tell_user("waiting: " + standing);
+  else if (!what.empty())
+    tell_user(what + " ...");
+}
+
+void while_telling(const std::string& ring, const std::function<void()>& work, const std::string& what) {
+  Progress progress(ring);
+  std::future<void> done = std::async(std::launch::async, work);
+  while (done.wait_for(kWorkTick) != std::future_status::ready) progress.tell(what);
+  try {
+    done.get();
+  } catch (const HostPortTimeout&) {
+    require_clock_goes(ring);
+    throw;
+  }
+}
+
+void tell_user(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
+
+void tell_standstill(std::chrono::nanoseconds time) {
+  if (time.count() == 0) return;
+  const auto seconds = std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count());
+  tell_user("stood still for " + seconds + " s; goes on that much later");
+}
+
+namespace {
+
+struct Counter {
+  const char* name;
+  Reason reason;
+};
+constexpr std::array<Counter, 4> kCounters{{{"refused_cpu_absent", Reason::cpu_absent},
+                                            {"refused_no_buffer", Reason::no_buffer},
+                                            {"refused_joining", Reason::joining},
+                                            {"refused_unwired", Reason::pin_unwired}}};
+
+/// The counter of refusals does not say whether a missing CPU is absent, boots or has failed; the CPU's state does.
+Reason refined(Reason reason, const nlohmann::json& row) {
+  if (!row.contains("cpu")) return reason;
+  const std::string state = row["cpu"].value("state", "");
+  if (reason == Reason::cpu_absent && state == "booting") return Reason::cpu_booting;
+  if (reason == Reason::cpu_absent && state == "failed") return Reason::cpu_failed;
+  if (reason == Reason::no_buffer && state == "silent") return Reason::cpu_silent;
+  return reason;
+}
+
+}  // namespace
+
+void RefusalCounters::explain(std::vector<Result>& results, const std::vector<ask::Node>& nodes,
+                              const ask::Rows& now) const {
+  std::set<Reason> reasons;
+  std::string where;
+  for (const auto& [id, row] : now) {
+    const auto then = before_.find(id);
+    if (then == before_.end()) continue;
+    for (const Counter& counter : kCounters) {
+      if (counter_of(row, counter.name) <= counter_of(then->second, counter.name)) continue;
+      if (reasons.insert(refined(counter.reason, row)).second)
+        where += (where.empty() ? "" : ", ") + name_of(nodes, id);
+    }
+  }
+  if (reasons.size() != 1) return;
+  const Reason reason = *reasons.begin();
+  for (Result& result : results) {
+    if (result.outcome != Outcome::refused) continue;
+    result.why = reason;
+    result.reason = "at " + where + ": " + sentence(reason) + " (counted there)";
+  }
 }
 
 }  // namespace limb_ring::ringctl

@@ -6,8 +6,8 @@
 
 #include "io/in_parallel.h"
 #include "limb_ring/ring_directory.h"
-#include "ring/lock_files.h"
-#include "tools/ringctl/ring_clock.h"
+#include "ring/ring_files.h"
+#include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {

@@ -9,11 +9,10 @@
 #include <optional>
 #include <sstream>
 
-#include "ring/line_bytes.h"
-#include "tools/common/colour.h"
+#include "ring/reset_node.h"
 #include "tools/common/text_table.h"
+#include "tools/ringctl/status.h"
 #include "tools/ringctl/status_rows.h"
-#include "tools/ringctl/status_table.h"
 
 namespace limb_ring::ringctl {
 

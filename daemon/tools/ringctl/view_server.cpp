@@ -22,11 +22,11 @@
 #include <string_view>
 #include <utility>
 
-#include "config/names.h"
-#include "io/child_process.h"
-#include "io/find_program.h"
-#include "tools/ringctl/tell_user.h"
-#include "tools/ringctl/view_ring.h"
+#include "config/ring_config.h"
+#include "io/child.h"
+#include "io/program.h"
+#include "tools/ringctl/screen.h"
+#include "tools/ringctl/view.h"
 
 namespace limb_ring::ringctl {
 

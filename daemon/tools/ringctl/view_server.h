@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/ringctl/problems.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 

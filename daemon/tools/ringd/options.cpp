@@ -3,10 +3,9 @@
 #include <iostream>
 
 #include "config/load_ring.h"
-#include "config/plain_ring.h"
-#include "tools/cli/command_line.h"
-#include "tools/cli/values.h"
-#include "tools/common/out_file.h"
+#include "config/ring_config.h"
+#include "tools/common/command_line.h"
+#include "tools/common/ring_file.h"
 
 namespace limb_ring::ringd {
 namespace {

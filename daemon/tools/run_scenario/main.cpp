@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "io/execute.h"
-#include "io/find_program.h"
-#include "tools/ringctl/problems.h"
+#include "io/program.h"
+#include "tools/ringctl/screen.h"
 
 namespace {
 

@@ -8,8 +8,8 @@
 
 #include "app/ring_sim/run_ring_sim.h"
 #include "support/own_folder.h"
-#include "tools/common/out_file.h"
-#include "tools/ring_sim/problems.h"
+#include "tools/common/ring_file.h"
+#include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "app/completed_help.h"
 #include "app/ring_sim/run_ring_sim.h"
-#include "study/analysis/cases.h"
+#include "study/cases.h"
 #include "support/temporary_folder.h"
-#include "tools/ring_sim/problems.h"
+#include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "tools/ring_sim/comparison_report.h"
+#include "tools/ring_sim/compare.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include "app/ring_sim/plot_folder.h"
+#include "tools/ring_sim/command_line.h"
 #include "tools/ring_sim/plots/plots.h"
-#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 namespace {

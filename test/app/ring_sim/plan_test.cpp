@@ -10,7 +10,7 @@
 
 #include "app/ring_sim/run_ring_sim.h"
 #include "support/own_folder.h"
-#include "tools/ring_sim/problems.h"
+#include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
 namespace {

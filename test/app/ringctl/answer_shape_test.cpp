@@ -1,5 +1,5 @@
 // Answers of daemons of another version, or of what is no ringd: named, and never read.
-#include "tools/ringctl/answer_shape.h"
+#include "tools/ringctl/answers.h"
 
 #include <gmock/gmock.h>
 
@@ -7,9 +7,8 @@
 
 #include "tools/ringctl/line_report.h"
 #include "tools/ringctl/ring_watch.h"
+#include "tools/ringctl/status.h"
 #include "tools/ringctl/status_rows.h"
-#include "tools/ringctl/status_table.h"
-#include "tools/ringctl/supervision.h"
 #include "tools/ringctl/top_table.h"
 
 namespace limb_ring::ringctl {

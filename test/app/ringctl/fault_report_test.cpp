@@ -1,7 +1,7 @@
 // What ringctl says of faults, and of lines that are broken or noisy.
 #include <gmock/gmock.h>
 
-#include "tools/ringctl/fault_table.h"
+#include "tools/ringctl/fault.h"
 #include "tools/ringctl/line_report.h"
 #include "tools/ringctl/status_rows.h"
 

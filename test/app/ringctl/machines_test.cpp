@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "config/load_ring.h"
-#include "tools/ringctl/machines_file.h"
+#include "tools/ringctl/hosts.h"
 
 namespace limb_ring::ringctl {
 namespace {

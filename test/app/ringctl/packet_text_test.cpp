@@ -1,5 +1,5 @@
 // The lines of `ringctl traffic show`.
-#include "tools/capture_text/packet_text.h"
+#include "tools/common/packet_text.h"
 #include "tools/ringctl/live_dump.h"
 
 #include <gmock/gmock.h>

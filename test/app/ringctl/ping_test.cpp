@@ -1,5 +1,5 @@
 // What `ringctl ping` prints; how it sends is tested with real daemons (test/process/terminal_test.py).
-#include "tools/ringctl/ping_report.h"
+#include "tools/ringctl/ping.h"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
 // What `ringctl up` intends to start.
 #include <gmock/gmock.h>
 
-#include "config/config_error.h"
+#include "config/quantity.h"
 #include "support/own_folder.h"
-#include "tools/ringctl/problems.h"
-#include "tools/ringctl/ring_plan.h"
+#include "tools/ringctl/screen.h"
+#include "tools/ringctl/up.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -8,7 +8,7 @@
 #include "app/ringctl/run_ringctl.h"
 #include "capture/packets.h"
 #include "support/own_folder.h"
-#include "tools/ringctl/problems.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -5,15 +5,12 @@
 #include <sstream>
 
 #include "tools/common/text_table.h"
-#include "tools/ringctl/clock_offsets.h"
-#include "tools/ringctl/hex.h"
-#include "tools/ringctl/line_delays.h"
-#include "tools/ringctl/problems.h"
-#include "tools/ringctl/refusal_counters.h"
-#include "tools/ringctl/results.h"
+#include "tools/ringctl/clock.h"
+#include "tools/ringctl/line_report.h"
+#include "tools/ringctl/screen.h"
+#include "tools/ringctl/send.h"
+#include "tools/ringctl/status.h"
 #include "tools/ringctl/status_rows.h"
-#include "tools/ringctl/status_table.h"
-#include "tools/ringctl/supervision.h"
 
 namespace limb_ring::ringctl {
 namespace {

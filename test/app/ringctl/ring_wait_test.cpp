@@ -1,10 +1,10 @@
 // When `ringctl wait` and `fault clear` take a ring for whole, and what they say it lacks.
-#include "tools/ringctl/ring_wait.h"
+#include "tools/ringctl/wait.h"
 
 #include <gmock/gmock.h>
 
-#include "tools/ringctl/problems.h"
 #include "tools/ringctl/ring_watch.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 namespace {

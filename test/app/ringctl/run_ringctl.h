@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/run_cli.h"
-#include "tools/ringctl/command/command_line.h"
+#include "tools/ringctl/command_line.h"
 
 namespace limb_ring::ringctl {
 

@@ -1,4 +1,4 @@
-#include "tools/common/shell_word.h"
+#include "tools/common/text_table.h"
 
 #include <gtest/gtest.h>
 

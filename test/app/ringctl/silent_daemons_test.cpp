@@ -10,7 +10,7 @@
 #include "support/own_folder.h"
 #include "support/thrown.h"
 #include "tools/ringctl/answers.h"
-#include "tools/ringctl/problems.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 namespace {

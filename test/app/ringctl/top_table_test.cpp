@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <sstream>
 
-#include "tools/ringctl/ring_clock.h"
+#include "tools/ringctl/ring_access.h"
 
 namespace limb_ring::ringctl {
 namespace {

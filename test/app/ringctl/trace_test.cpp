@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "app/ringctl/run_ringctl.h"
-#include "study/analysis/cases.h"
+#include "study/cases.h"
 #include "support/own_folder.h"
-#include "tools/ringctl/problems.h"
-#include "tools/ringctl/trace_words.h"
+#include "tools/ringctl/screen.h"
+#include "tools/ringctl/trace_views.h"
 
 namespace limb_ring::ringctl {
 namespace {

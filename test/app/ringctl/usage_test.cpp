@@ -8,8 +8,8 @@
 #include "app/completed_help.h"
 #include "app/ringctl/run_ringctl.h"
 #include "support/own_folder.h"
-#include "tools/ringctl/other_host.h"
-#include "tools/ringctl/problems.h"
+#include "tools/ringctl/hosts.h"
+#include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
 namespace {

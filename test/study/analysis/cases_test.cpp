@@ -1,5 +1,5 @@
 // The cases of protocol.md section 7.2, as ring_sim shows them.
-#include "study/analysis/cases.h"
+#include "study/cases.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "sim/trace.h"
-#include "study/analysis/case_ring.h"
 
 namespace limb_ring::study {
 namespace {

@@ -1,8 +1,8 @@
 // What expected delay and loss of a real network do to a plan.
-#include "study/analysis/expected_losses.h"
+#include "study/traffic_run.h"
 
-#include "study/analysis/plan.h"
 #include "study/analysis/small_ring.h"
+#include "study/plan.h"
 
 namespace limb_ring::study {
 namespace {

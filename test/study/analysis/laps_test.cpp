@@ -1,4 +1,4 @@
-#include "study/analysis/laps.h"
+#include "study/response.h"
 
 #include "study/analysis/small_ring.h"
 #include "support/node_literal.h"

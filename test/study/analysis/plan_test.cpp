@@ -1,4 +1,4 @@
-#include "study/analysis/plan.h"
+#include "study/plan.h"
 
 #include "sim/planned_ring.h"
 #include "study/analysis/small_ring.h"

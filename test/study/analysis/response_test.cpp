@@ -1,4 +1,4 @@
-#include "study/analysis/response.h"
+#include "study/response.h"
 
 #include <gmock/gmock.h>
 

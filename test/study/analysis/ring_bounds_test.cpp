@@ -1,5 +1,5 @@
 // The bounds that the pictures draw: protocol.md section 7.2, by hand.
-#include "study/analysis/ring_bounds.h"
+#include "study/model_ring.h"
 
 #include "study/network_fixture.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "study/analysis/plan.h"
+#include "study/plan.h"
 
 namespace limb_ring::study {
 

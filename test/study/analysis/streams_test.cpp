@@ -1,4 +1,4 @@
-#include "study/analysis/streams.h"
+#include "study/response.h"
 
 #include <algorithm>
 

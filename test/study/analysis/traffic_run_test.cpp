@@ -1,4 +1,4 @@
-#include "study/analysis/traffic_run.h"
+#include "study/traffic_run.h"
 
 #include <algorithm>
 #include <random>

@@ -1,6 +1,6 @@
 // ARCNET at 1 Gbit/s, a bit in 1 ns, a turnaround in 31.5 ns. Token and enquiry: 6 + 3*11 = 39 bits;
 // ACK: 6 + 11 = 17. A packet with 100 bytes: 6 + 11*(5 + 100 + 2) = 1183.
-#include "study/baselines/arcnet.h"
+#include "comparison/buses.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

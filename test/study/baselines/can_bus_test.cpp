@@ -1,6 +1,6 @@
 // CAN FD at 1 Gbit/s, a bit in 1 ns. A frame with 64 bytes: head 1+11+6+4 = 22, data 512, stuff count
 // 4 + CRC 21 + 7 fixed stuff bits = 32, tail 3+7 = 10: 576 bits, and 3 of intermission.
-#include "study/baselines/can_bus.h"
+#include "comparison/buses.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

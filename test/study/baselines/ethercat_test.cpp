@@ -1,8 +1,7 @@
 // EtherCAT at 1 Gbit/s, a byte in 8 ns, 4 nodes with 512 bytes: an image of 2048 bytes beside 4 event
 // bytes does not fit into one frame (1498 - 16 - 12 = 1470), so two frames have 1024 bytes each. A frame:
 // 8 + 14 + 2, datagrams 10 + 4 + 2 and 10 + 1024 + 2, FCS 4 = 1080 bytes; with the gap 1092.
-#include "study/baselines/ethercat.h"
-#include "study/baselines/process_image.h"
+#include "comparison/process_image.h"
 #include "study/network_fixture.h"
 #include "support/node_literal.h"
 

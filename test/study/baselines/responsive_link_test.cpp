@@ -1,6 +1,6 @@
 // Responsive Link at 1 Gbit/s: a data packet of 64 bytes in 512 ns, an event packet in 128 ns. 512 bytes of
 // data are 10 packets of at most 56.
-#include "study/baselines/responsive_link.h"
+#include "comparison/point_to_point.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

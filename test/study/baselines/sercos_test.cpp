@@ -1,6 +1,6 @@
 // SERCOS II at 1 Gbit/s, a byte in 8 ns, master and 3 slaves with 512 bytes. MST 6 bytes; AT 5 + 4 + 512 =
 // 521; MDT 5 + 3 * 4 + 4 * 512 = 2065.
-#include "study/baselines/sercos.h"
+#include "comparison/process_image.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

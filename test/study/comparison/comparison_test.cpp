@@ -1,12 +1,10 @@
 // What all methods have in common, and what the comparison makes of them.
-#include "study/comparison/comparison.h"
+#include "comparison/comparison.h"
 
-#include "study/baselines/arcnet.h"
-#include "study/baselines/can_bus.h"
-#include "study/baselines/ethercat.h"
-#include "study/baselines/responsive_link.h"
-#include "study/baselines/sercos.h"
-#include "study/comparison/ring_network.h"
+#include "comparison/buses.h"
+#include "comparison/point_to_point.h"
+#include "comparison/process_image.h"
+#include "comparison/ring_network.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

@@ -1,4 +1,4 @@
-#include "study/comparison/offered_load.h"
+#include "comparison/network.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

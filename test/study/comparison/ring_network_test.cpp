@@ -1,5 +1,5 @@
 // Our own ring as one of the methods: the figures of protocol.md section 7.2, at the destination.
-#include "study/comparison/ring_network.h"
+#include "comparison/ring_network.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

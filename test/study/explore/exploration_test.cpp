@@ -1,5 +1,5 @@
 // Every order of faults in a small ring, and the words for one of them.
-#include "study/explore/exploration.h"
+#include "study/exploration.h"
 
 #include <stdexcept>
 
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/trace.h"
-#include "study/explore/state_hash.h"
+#include "study/explored_run.h"
 #include "support/thrown.h"
 
 namespace limb_ring::study {

@@ -1,6 +1,6 @@
-#include "study/measure/round_trips.h"
+#include "comparison/measurements.h"
 
-#include "study/analysis/ring_bounds.h"
+#include "study/model_ring.h"
 #include "study/network_fixture.h"
 
 namespace limb_ring::study {

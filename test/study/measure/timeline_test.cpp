@@ -1,4 +1,4 @@
-#include "study/measure/timeline.h"
+#include "comparison/measurements.h"
 
 #include "study/network_fixture.h"
 

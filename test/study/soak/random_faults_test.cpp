@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "study/soak/random_faults.h"
+#include "study/random_faults.h"
 
 namespace limb_ring::study {
 namespace {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "io/child.h"
-#include "io/find_program.h"
+#include "io/program.h"
 #include "io/spawn.h"
 
 namespace limb_ring::ring_sim {

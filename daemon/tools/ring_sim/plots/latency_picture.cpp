@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "study/analysis/ring_bounds.h"
+#include "study/model_ring.h"
+#include "tools/ring_sim/command_line.h"
 #include "tools/ring_sim/plots/picture.h"
-#include "tools/ring_sim/rate_text.h"
 
 namespace limb_ring::ring_sim {
 

@@ -2,9 +2,9 @@
 
 #include <sstream>
 
-#include "study/analysis/latency.h"
+#include "study/model_ring.h"
 #include "tools/common/text_table.h"
-#include "tools/ring_sim/rate_text.h"
+#include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "study/comparison/comparison.h"
+#include "comparison/comparison.h"
 
 namespace limb_ring::ring_sim {
 

@@ -3,10 +3,10 @@
 #include <fstream>
 #include <iostream>
 
-#include "tools/cli/output.h"
-#include "tools/common/out_file.h"
+#include "tools/common/command_line.h"
+#include "tools/common/ring_file.h"
+#include "tools/ring_sim/command_line.h"
 #include "tools/ring_sim/plots/gnuplot.h"
-#include "tools/ring_sim/problems.h"
 
 namespace limb_ring::ring_sim {
 

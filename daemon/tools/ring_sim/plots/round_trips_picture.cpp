@@ -1,6 +1,5 @@
-#include "study/analysis/ring_bounds.h"
-#include "study/measure/histogram.h"
-#include "study/measure/round_trips.h"
+#include "comparison/measurements.h"
+#include "study/model_ring.h"
 #include "tools/common/text_table.h"
 #include "tools/ring_sim/plots/picture.h"
 

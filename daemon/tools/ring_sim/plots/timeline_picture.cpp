@@ -1,6 +1,6 @@
-#include "study/measure/timeline.h"
+#include "comparison/measurements.h"
 
-#include "study/analysis/latency.h"
+#include "study/model_ring.h"
 #include "tools/common/text_table.h"
 #include "tools/ring_sim/plots/picture.h"
 

@@ -1,0 +1,208 @@
+#include "sim/stage.h"
+
+#include <algorithm>
+
+#include "config/quantity.h"
+#include "sim/planned_ring.h"
+
+namespace limb_ring::scenario {
+
+NodeId RingStage::place_of(NodeId id) const {
+  const core::RingOrder& order = ring_.order();
+  return static_cast<NodeId>(std::find(order.begin(), order.end(), id) - order.begin());
+}
+
+std::optional<wire::Beacon> RingStage::heard(NodeId by, NodeId of) const {
+  const core::Peer& peer = membership(by).peers()[id_of(of)];
+  if (!peer.beacon_heard) return std::nullopt;
+  wire::Beacon beacon = peer.beacon;
+  beacon.break_before = place_of(beacon.break_before);
+  beacon.break_behind = place_of(beacon.break_behind);
+  return beacon;
+}
+
+std::uint64_t RingStage::counter(NodeId place, const std::string& name) const {
+  std::uint64_t count = 0;
+  ring_.counters(id_of(place)).each([&](const char* each, const char*, std::uint64_t value) {
+    if (name == each) count = value;
+  });
+  return count;
+}
+
+Fault RingStage::in_ring(Fault fault) const {
+  for (NodeId& node : fault.nodes) node = id_of(node);
+  if (fault.after_packets != 0) fault.of = id_of(fault.of);
+  return fault;
+}
+
+void RingStage::send(const Send& send) {
+  Send own = send;
+  for (NodeId& node : own.from) node = id_of(node);
+  if (own.to != wire::kBroadcast) own.to = id_of(own.to);
+  senders_.begin(own);
+}
+
+std::optional<Stage::Failure> RingStage::failure_of(const std::optional<sim::Violation>& violation) const {
+  if (!violation) return std::nullopt;
+  return Failure{std::string("the ring's promise: ") + sim::to_string(violation->promise), with_names(violation->what)};
+}
+
+// Whoever judges the virtual ring knows its ids alone: "node 5" there may be "node 6 (left_knee)" of the ring's file.
+std::string RingStage::with_names(const std::string& what) const {
+  const std::string mark = "node ";
+  std::string text;
+  std::size_t done = 0;
+  for (std::size_t at = what.find(mark); at != std::string::npos; at = what.find(mark, at)) {
+    at += mark.size();
+    const std::size_t end = std::min(what.find_first_not_of("0123456789", at), what.size());
+    const auto id = config::parse_integer(what.substr(at, end - at));
+    if (!id || *id > wire::kBroadcast || place_of(static_cast<NodeId>(*id)) >= size()) continue;
+    const config::NodeConfig& node = scenario_.ring.nodes[place_of(static_cast<NodeId>(*id))];
+    text += what.substr(done, at - done) + std::to_string(node.id) + " (" + node.name + ")";
+    done = at = end;
+  }
+  return text + what.substr(done);
+}
+
+using fault::Name;
+
+bool ModelStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
+  const core::Time end = at(until);
+  if (ring().run_until(done, end - ring().now())) return true;
+  ring().run_until(end);
+  return done();
+}
+
+std::optional<Stage::Failure> ModelStage::apply(const Fault& fault) {
+  do_it(fault);
+  return std::nullopt;
+}
+
+void ModelStage::do_it(const Fault& fault) {
+  if (fault::word_of(fault.name).of == fault::Of::line) return lines_.begin(fault);
+  // All are off before the first is on again.
+  if (fault.name == Name::power_cycle)
+    for (const NodeId id : fault.nodes) ring().kill(id);
+  for (const NodeId id : fault.nodes) {
+    lasting_.begins(fault.name, id);
+    apply_to_node(fault, id);
+    if (fault.lasts.count() != 0) end_later(fault, id);
+  }
+}
+
+void ModelStage::end_later(const Fault& fault, NodeId id) {
+  Fault end;
+  end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
+  end.nodes = {id};
+  const unsigned number = lasting_.number(fault.name, id);
+  ring().at(ring().now() + core::Duration(fault.lasts), [this, end, lasts = fault.name, number] {
+    if (lasting_.number(lasts, end.nodes.front()) == number) do_it(end);
+  });
+}
+
+void ModelStage::apply_to_node(const Fault& fault, NodeId id) {
+  switch (fault.name) {
+    case Name::kill:
+      frozen_[id] = false;
+      return ring().kill(id);
+    case Name::start:
+    case Name::power_cycle:
+      return start(id);
+    case Name::freeze:
+      return freeze(id);
+    case Name::thaw:
+      return thaw(id);
+    default:
+      return apply_to_cpu(fault, id);
+  }
+}
+
+// A second time it changes nothing.
+void ModelStage::freeze(NodeId id) {
+  if (!ring().alive(id)) return;
+  frozen_[id] = true;
+  ring().freeze(id);
+}
+
+void ModelStage::start(NodeId id) {
+  if (ring().alive(id)) return;
+  frozen_[id] = false;
+  ring().start(id);
+  started(id);
+}
+
+void ModelStage::thaw(NodeId id) {
+  if (frozen_[id]) ring().thaw(id);
+  frozen_[id] = false;
+}
+
+void ModelStage::bring_back(NodeId id) { frozen_[id] ? thaw(id) : start(id); }
+
+using config::PinConfig;
+
+VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed)
+    : VirtualStage(scenario, seed, sim::planned_ring(scenario.ring)) {}
+
+VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed, std::unique_ptr<sim::WatchedRing> ring)
+    : ModelStage(scenario, *ring, seed),
+      ring_(std::move(ring)),
+      cpus_(*ring_, scenario.boot_time),
+      supervisor_(scenario.ring, *ring_, cpus_) {
+  ring_->on_event = [this](NodeId at, const core::Event& event) { came(event, at); };
+  ring_->on_packet = [this](NodeId at, const core::ReceivedPacket& packet) {
+    if (const auto send = senders().send_of(packet)) senders().taken(*send);
+    cpus_.took_packet(at);
+  };
+  lines().tap_all();
+  supervisor_.start();
+  for (const NodeId id : scenario.absent) ring_->kill(id);
+}
+
+// ---- time ----------------------------------------------------------------------------------
+
+std::optional<Stage::Failure> VirtualStage::begin() {
+  const bool joined = ring_->join();
+  start_counting();
+  if (joined) return std::nullopt;
+  return Failure{"every node joins", "not within 10 s"};
+}
+
+// ---- actions --------------------------------------------------------------------------------
+
+void VirtualStage::came(const core::Event& event, NodeId at) {
+  senders().came(event, at);
+  supervisor_.came(event, at);
+  const auto* pin = std::get_if<core::PinPulled>(&event.what);
+  if (!pin || scenario().ring.nodes[at].pins[pin->factor].action != PinConfig::Action::reset) return;
+  ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
+}
+
+void VirtualStage::apply_to_cpu(const Fault& fault, NodeId id) {
+  switch (fault.name) {
+    case Name::hang:
+      return cpus_.hang(id);
+    case Name::resume:
+      return cpus_.resume(id);
+    case Name::reset:
+      return cpus_.reset(id);
+    case Name::crash:
+      return cpus_.crash(id);
+    case Name::slow:
+      return cpus_.slow_down(id, fault.every);
+    case Name::not_reading:
+      return cpus_.stop_reading(id);
+    case Name::babble:
+      return senders().babble(id, fault.every, [this, id, generation = cpus_.generation(id)] {
+        return cpus_.generation(id) != generation;
+      });
+    default:
+      return;  // of a line or a node
+  }
+}
+
+void VirtualStage::started(NodeId id) {
+  cpus_.started(id);
+  supervisor_.started(id);
+}
+
+}  // namespace limb_ring::scenario

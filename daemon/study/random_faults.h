@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/invariants.h"
+#include "sim/virtual_line_faults.h"
+#include "study/soak_world.h"
+
+namespace limb_ring::study {
+
+/// A ring under random traffic and random faults, all of it decided by the seed: bit errors, lost and cut-off
+/// packets, lines that break and heal, delay, stall and duplicate, nodes that die, freeze and come back, CPUs that
+/// hang or are reset. Every promise of the ring is checked all the time; afterwards all is mended, and the ring
+/// has to be whole again and fall silent.
+class RandomFaults {
+ public:
+  using FoldBack = FoldingRings;
+  using World = WorldKind;
+  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some, World world = World::usual);
+
+  /// Runs it all, or until a promise is broken.
+  /// @param asked_to_stop asked many times, whatever the ring is at
+  /// @return false where it said so: then the run has not ended, and nothing was judged at its end
+  bool run(std::function<bool()> asked_to_stop = [] { return false; });
+  /// The ring, for further observers before it runs.
+  sim::VirtualRing& ring() { return ring_; }
+  const std::optional<sim::Violation>& violation() const { return violation_; }
+
+  /// What the seed has chosen, in words.
+  std::string describe() const { return world_.describe(); }
+  /// From now on all that is done to the ring is kept. @pre the usual world
+  void keep_history() { history_.keep(); }
+  const std::vector<RecordedStep>& history() const { return history_.steps(); }
+  /// Until then something was done to it; afterwards all was mended.
+  core::Time acted_until() const { return acted_until_; }
+  bool paced() const { return world_.paced; }
+  bool folds_back() const { return world_.folds_back; }
+  /// Results of DATPs and INTPs, by core::Outcome.
+  const std::array<unsigned, wire::kOutcomes>& ended() const { return ended_; }
+  unsigned nodes() const { return world_.nodes; }
+  std::uint64_t hops() const;
+
+ private:
+  wire::NodeId random_node() { return world_.order[draws_.below(world_.nodes)]; }
+  wire::NodeId random_destination() { return draws_.once_in(5) ? wire::kBroadcast : random_node(); }
+  /// Of one step.
+  std::chrono::nanoseconds random_while() {
+    return std::chrono::nanoseconds(draws_.below(world_.paced ? 12000 : 4000));
+  }
+
+  sim::VirtualRingOptions ring_options();
+  void tap_all(core::Line line);
+  void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void act();
+  void send();
+  void interrupt();
+  void fault();
+  void burst();
+  void strike(wire::NodeId node);
+  void power_cycle(wire::NodeId node);
+  void part_or_regroup(wire::NodeId node);
+  void line_fault(wire::NodeId node);
+  void stand_still(wire::NodeId node);
+  void hold_output(wire::NodeId node);
+  /// Nanoseconds: that part of the time-out of a try.
+  unsigned longest_hold(wire::NodeId node, int share) const;
+  void cut(wire::NodeId node);
+  void heal(wire::NodeId node);
+  void kill_or_start(wire::NodeId node);
+  void freeze_or_thaw(wire::NodeId node);
+  void calm_down();
+  void check_silence();
+  void send_when_mended();
+  void run_until_calm();
+  void note_violation();
+  bool must_stop() { return stopped_ = stopped_ || asked_to_stop_(); }
+  bool goes_on() { return !violation_ && !must_stop(); }
+  /// A node of a CPU that can ask for sends.
+  bool can_ask(wire::NodeId node) const { return ring_.alive(node) && !ring_.paused(node); }
+
+  Draws draws_;
+  Draws wide_;  ///< for wide worlds and those in parts alone: seeds of usual ones give the same runs as ever
+  const SoakWorld world_;
+  sim::VirtualRing ring_;
+  sim::Invariants invariants_;
+  sim::VirtualLineFaults lines_;
+  SoakHistory history_;
+  bool quiet_ = false;
+  bool parted_ = false;  ///< two hosts do not reach each other
+  std::uint64_t slices_when_quiet_ = 0;
+  std::vector<bool> killed_;  ///< if not alive: killed (true) or frozen
+  std::array<unsigned, wire::kOutcomes> ended_{};
+  core::Time acted_until_{};
+  std::optional<sim::Violation> violation_;
+  std::function<bool()> asked_to_stop_;
+  bool stopped_ = false;
+};
+
+}  // namespace limb_ring::study

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "sim/scenario_shrink.h"
+#include "study/random_faults.h"
+
+namespace limb_ring::study {
+
+/// Small enough to be understood: at most 3 faults and 10 sends. Most seeds shrink to that. If more is left, each step
+/// only moves another one by some nanoseconds, and another seed shows the same with fewer steps.
+bool is_small(const scenario::ScenarioSize& size);
+
+/// What a seed has done to its ring until a promise was broken, as a scenario of the soak's world: the same sends and
+/// faults at the same instants. @pre the run has kept its history, and broken a promise
+std::string scenario_of(const RandomFaults& run, std::uint64_t seed);
+
+/// scenario_of() made as small as possible: fewer steps first, then fewer nodes, then as scenario::shrink() does.
+/// @param tell called after each run, with their number; throws to end it all
+/// @return nothing where the scenario does not fail as the seed did
+std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64_t seed,
+                                            const std::function<void(std::size_t runs)>& tell);
+
+}  // namespace limb_ring::study

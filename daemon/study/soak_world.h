@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/settings.h"
+#include "sim/scenario.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::study {
+
+/// Random numbers of one seed. Whoever draws keeps the order of draws: otherwise seeds would no longer give the same
+/// runs as before.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t seed) : random_(seed) {}
+
+  unsigned below(unsigned limit) { return static_cast<unsigned>(random_() % limit); }
+  /// True once in so many times; 0: never.
+  bool once_in(unsigned times) { return times != 0 && below(times) == 0; }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+/// Which rings fold back around a break: a third of them, or all.
+enum class FoldingRings { some, all };
+/// What the simulated world is like: all nodes and lines alike, with ids 0, 1, 2 ...; or wide: sparse and unordered
+/// ids, rarely up to 254 nodes, lines that differ in rate and delay, take time to connect, or take nothing for a
+/// while, nodes that stand still and keep what comes, and traffic once more when all is mended; or in parts: a wide one
+/// of up to 16 nodes, on several hosts, of which half fold back. There the two ends of a line that is gone notice that
+/// independently, nothing to kNoticedWithin later; hosts lose each other and regroup; and strikes come in bursts, near
+/// each other and within a lap.
+enum class WorldKind { usual, wide, parts };
+/// The `silence` of a link (protocol.md section 7.4) beside the short times of these rings.
+constexpr core::Duration kNoticedWithin = std::chrono::microseconds(300);
+
+/// What a seed has chosen before anything happens: a ring, its lines, and how often something goes wrong on it.
+struct SoakWorld {
+  /// @param draws the seed's
+  /// @param wide for wide worlds alone: seeds of usual ones give the same runs as ever
+  SoakWorld(FoldingRings folding, WorldKind kind, Draws& draws, Draws& wide);
+
+  /// Short times for all nodes; and what its lines are to this one, with what follows from them for the whole ring.
+  void adjust(core::Settings& settings) const;
+  /// In words.
+  std::string describe() const;
+
+  bool is_wide;
+  bool in_parts;  ///< its hosts lose each other
+  unsigned nodes = 16;
+  core::RingOrder order;
+  std::vector<core::Duration> delays;  ///< of the lines into the nodes, by place; of a wide world
+  std::vector<unsigned> slownesses;    ///< of the lines out of them: so many times the byte time
+  bool takes_time_to_connect = false;
+  bool paced = false;  ///< lines have a rate
+  bool folds_back = false;
+  unsigned drop = 0, damage = 0, trouble = 0;  ///< once in so many slices, slices, steps; 0: never
+  bool doubles = false;                        ///< lines duplicate packets, and hold back only briefly
+
+ private:
+  void choose_mix(FoldingRings folding, Draws& draws);
+  void choose_parts(FoldingRings folding, Draws& wide);
+  void choose_nodes(Draws& wide);
+  void grow(Draws& wide);
+  void differ(core::Settings& settings) const;
+};
+
+/// One thing that was done to a ring: what, in the words of scenarios, and when. Nodes are ids.
+struct RecordedStep {
+  core::Time at{};
+  std::variant<fault::Fault, scenario::Send, scenario::SoakAction> what;
+};
+
+/// All that was done to a ring, from keep() on, so that a scenario can do it again.
+class SoakHistory {
+ public:
+  explicit SoakHistory(const sim::VirtualRing& ring) : ring_(ring) {}
+
+  void keep() { kept_ = true; }
+  const std::vector<RecordedStep>& steps() const { return steps_; }
+
+  template <class What>
+  void add(const What& what) {
+    if (kept_) steps_.push_back({ring_.now(), what});
+  }
+  void add(fault::Name name, wire::NodeId node);
+  void add(scenario::SoakAction::Kind kind, wire::NodeId node, bool second_line = false);
+
+  /// A slice has left that node; to be called for each, since an action on one is known by its number in its instant.
+  void count_slice(wire::NodeId node, core::Line line);
+  /// What was done to the slice counted last. @param byte and `bits`: where it was damaged
+  void add_slice(scenario::SoakAction::Kind kind, wire::NodeId node, core::Line line, std::size_t byte = 0,
+                 std::uint8_t bits = 1);
+
+ private:
+  /// The slices that have left onto a line at one instant.
+  struct AtInstant {
+    core::Time at{core::Duration{-1}};
+    unsigned slices = 0;
+  };
+
+  const sim::VirtualRing& ring_;
+  bool kept_ = false;
+  std::vector<RecordedStep> steps_;
+  std::array<std::vector<AtInstant>, 2> leaving_;  ///< by line and node
+};
+
+}  // namespace limb_ring::study

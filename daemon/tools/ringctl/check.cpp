@@ -1,0 +1,93 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "config/entry.h"
+#include "config/load_ring.h"
+#include "config/quantity.h"
+#include "config/urdf_joints.h"
+#include "sim/load_scenario.h"
+#include "tools/common/ring_file.h"
+#include "tools/ringctl/command_line.h"
+#include "tools/ringctl/screen.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+std::string counted(std::size_t count, const char* what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+}
+
+std::string ring_words(const config::RingConfig& ring) {
+  std::size_t joints = 0, sensors = 0;
+  for (const config::NodeConfig& node : ring.nodes) {
+    joints += node.joints.size();
+    sensors += node.sensors.size();
+  }
+  return "ring " + ring.ring + ", " + counted(ring.nodes.size(), "node") + ", " + counted(joints, "joint") +
+         (ring.followers.empty() ? "" : " (" + std::to_string(ring.followers.size()) + " more follow them)") + ", " +
+         counted(sensors, "sensor");
+}
+
+std::string urdf_words(const std::string& path) {
+  const config::UrdfJoints urdf = config::parse_urdf(config::read_file(path), path);
+  std::size_t driven = 0, mimics = 0;
+  for (const auto& [name, joint] : urdf.joints) {
+    driven += joint.has_motor();
+    mimics += joint.mimic.has_value();
+  }
+  return "robot " + urdf.robot + ", " + counted(driven, "joint") + " with a motor" +
+         (mimics == 0 ? "" : ", " + std::to_string(mimics) + " that follow them") + "; 'ringctl new " + path +
+         "' writes a ring for it";
+}
+
+/// By what stands in it: the file of a ring has nodes that are a list.
+bool is_scenario(const std::string& path) {
+  const YAML::Node file = config::parse_yaml(config::read_file(path), path);
+  if (!file.IsMap()) return false;
+  for (const char* entry : {"scenario", "steps", "always", "never", "world"})
+    if (file[entry]) return true;
+  return false;
+}
+
+std::string words_of(const std::string& given) {
+  if (std::filesystem::path(given).extension() == ".urdf") return urdf_words(given);
+  const std::string path = app::ring_file(given);
+  if (is_scenario(path)) {
+    const scenario::Scenario scenario = scenario::load_scenario(path);
+    return "scenario '" + scenario.name + "', " + counted(scenario.steps.size(), "step") + ", on " +
+           ring_words(scenario.ring);
+  }
+  const config::RingConfig ring = config::load_ring(path);
+  for (const std::string& warning : ring.warnings) tell_user("warning: " + warning);
+  return ring_words(ring);
+}
+
+int check(const std::vector<std::string>& files) {
+  bool all_right = true;
+  for (const std::string& file : files) {
+    try {
+      const std::string words = words_of(file);
+      std::cout << file << " is right: " << words << std::endl;
+    } catch (const config::ConfigError& problem) {
+      std::cerr << problem.what() << std::endl;
+      all_right = false;
+    }
+  }
+  return all_right ? kDone : kUsage;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Context& context) {
+  auto files = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = add_command(
+      app, "check", "Check files of rings, scenarios and robots", "ringctl check leg8.yaml",
+      "Starts nothing. Says all that is wrong at once. What cannot be carried in time, 'ring_sim plan' says.");
+  command->add_option("FILE", *files, "YAML of a ring or scenario, the name of a ring such as leg8, or a URDF")
+      ->required();
+  command->callback([&context, files] { context.action = [files] { return check(*files); }; });
+}
+
+}  // namespace limb_ring::ringctl

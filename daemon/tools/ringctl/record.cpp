@@ -1,0 +1,337 @@
+#include "tools/ringctl/record.h"
+
+#include <CLI/CLI.hpp>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <sstream>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "io/signal_wait.h"
+#include "judge/flight_recorder.h"
+#include "judge/recording.h"
+#include "judge/replayed_ring.h"
+#include "limb_ring/ring_directory.h"
+#include "ring/ring_files.h"
+#include "tools/common/command_line.h"
+#include "tools/common/ring_file.h"
+#include "tools/common/text_table.h"
+#include "tools/ringctl/command_line.h"
+#include "tools/ringctl/recording_keeper.h"
+#include "tools/ringctl/ring_access.h"
+#include "tools/ringctl/ring_folder.h"
+#include "tools/ringctl/screen.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RecordOptions {
+  std::string folder;
+  std::vector<std::string> when{"crash", "break", "promise"};
+  unsigned keep = 5;
+};
+
+/// A ring that is being started may take so long until one of its daemons answers.
+constexpr std::chrono::seconds kStarts{60};
+
+/// The only ring with recordings, where none is named: also one whose daemons are all dead.
+std::string recorded_ring(const std::string& given) {
+  const std::string named = named_ring(given);
+  if (!named.empty()) return named;
+  std::vector<std::string> rings;
+  std::error_code error;
+  for (fs::directory_iterator it(rings_directory(), error), end; !error && it != end; it.increment(error))
+    if (!recorder::recordings_in(it->path().string()).empty()) rings.push_back(it->path().filename().string());
+  if (rings.size() == 1) return rings.front();
+  if (rings.empty())
+    throw NoRing("no ring has recordings; 'ringctl up --record' or recorder: {enabled: true} makes them");
+  std::string names;
+  for (const std::string& ring : rings) names += ' ' + ring;
+  throw UsageError("which ring? --ring one of" + names);
+}
+
+void require_recordings(const std::string& ring) {
+  if (!recorder::recordings_in(ring_directory(ring)).empty()) return;
+  throw NoRing("ring " + ring + " has no recordings; 'ringctl up --record' or recorder: {enabled: true} makes them");
+}
+
+/// Now, since nobody looks when something goes wrong later.
+void require_writable(const fs::path& folder) {
+  const std::string problem = app::make_output_folder(folder.string());
+  if (!problem.empty()) throw UsageError(problem);
+}
+
+void require_empty(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw NotDone("cannot make " + folder.string() + ": " + error.message());
+  if (!fs::is_empty(folder, error) || error)
+    throw UsageError(folder.string() + " is not empty; a folder of its own is needed");
+}
+
+int save(const RecordOptions& options, const Context& context) {
+  tell_unreadable_rings();
+  const std::string ring = recorded_ring(context.ring);
+  require_recordings(ring);
+  require_empty(options.folder);
+  const recorder::SavedRing saved = recorder::save_ring(ring_directory(ring), options.folder);
+  const std::string ended = ended_lives(ring_directory(ring), options.folder);
+  if (saved.recordings != 0)
+    std::cout << "saved " << app::counted(saved.recordings, "recording") << " of ring " << ring << ", "
+              << saved.bytes / 1000 << " kB; 'ringctl record check " << options.folder << "' does it all again\n"
+              << (ended.empty() ? "" : "of lives that have ended:\n") << ended << std::flush;
+  if (!saved.problems.empty()) throw NotDone("not saved: " + config::join(saved.problems, "; "));
+  return kDone;
+}
+
+/// @throw NoRing where none answers in time
+RingAccess wait_for_ring(const std::string& ring, process::SignalWait& signals) {
+  const auto deadline = std::chrono::steady_clock::now() + kStarts;
+  for (;;) {
+    try {
+      return RingAccess::open(ring);
+    } catch (const NoRing&) {
+      if (std::chrono::steady_clock::now() >= deadline || signals.asked_to_end(process::SignalWait::kTick)) throw;
+    }
+  }
+}
+
+int keep(const RecordOptions& options, const Context& context) {
+  process::SignalWait signals;
+  const RingAccess ring = wait_for_ring(choose_ring(context.ring), signals);
+  require_recordings(ring.ring());
+  const std::string folder = fs::absolute(options.folder).lexically_normal().string();
+  require_writable(folder);
+  RecordingKeeper keeper(ring, {{options.when.begin(), options.when.end()}, folder, options.keep});
+  keeper.poll();
+  tell_user("recordings of ring " + ring.ring() + " are saved in " + folder + " when something goes wrong");
+  do keeper.poll();
+  while (!signals.asked_to_end(RecordingKeeper::kRound) && !keeper.ring_is_gone());
+  return kDone;
+}
+
+void add_keep(CLI::App& record, Context& context) {
+  auto options = std::make_shared<RecordOptions>();
+  CLI::App* command =
+      add_command(record, "keep", "Save the recordings each time something goes wrong",
+                  "ringctl record keep saves --when crash,promise",
+                  "Stays until the ring is taken down. 'ringctl up' does the same if the ring's file says recorder: "
+                  "{save: ...}.");
+  command->add_option("DIR", options->folder, "Each save is a folder in it, named by ring, date and reason")
+      ->required();
+  command->add_option("--when", options->when, "crash, break, promise; default: all of them")
+      ->delimiter(',')
+      ->transform(cli::one_of({"crash", "break", "promise"}));
+  command->add_option("--keep", options->keep, "How many saves of the ring to keep, the newest; 1 to 1000, default 5")
+      ->transform(cli::whole(1, 1000));
+  command->callback([&context, options] { context.action = [options, &context] { return keep(*options, context); }; });
+}
+
+void add_save(CLI::App& record, Context& context) {
+  auto options = std::make_shared<RecordOptions>();
+  CLI::App* command =
+      add_command(record, "save", "Copy the recordings of all nodes", "ringctl record save what-happened",
+                  "Also copies those of dead nodes and of former lives. The ring goes on. Save before 'ringctl "
+                  "down', which removes the recordings.");
+  command->add_option("DIR", options->folder, "A new or empty folder")->required();
+  command->callback([&context, options] { context.action = [options, &context] { return save(*options, context); }; });
+}
+
+using recorder::ReplayedLife;
+using recorder::ReplayedRing;
+
+struct CheckOptions {
+  std::string folder;
+  std::optional<std::int64_t> until_ns;
+  std::string node;
+  bool print = false;
+  std::string capture;
+};
+
+std::string seconds(std::chrono::nanoseconds time) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(9) << std::chrono::duration<double>(time).count() << " s";
+  return text.str();
+}
+
+std::string name_of(const ReplayedLife& life) {
+  const char* which = recorder::is_of_former_life(life.file()) ? ", the life before)" : ")";
+  return "node " + std::to_string(life.node()) + " (" + life.title().node + which;
+}
+
+bool is_of(const ReplayedLife& life, const std::string& node) {
+  return node == life.title().node || node == std::to_string(life.node());
+}
+
+void print_difference(const ReplayedRing& ring, ReplayedLife& life) {
+  const recorder::Difference& difference = *life.replay().difference();
+  std::cout << name_of(life) << ": differs " << seconds(ring.after(life.machine_time(difference.at)))
+            << " after the first record, in " << difference.what << "\n  recorded  " << difference.recorded
+            << "\n  replayed  " << difference.replayed << "\n";
+}
+
+void print_state(ReplayedLife& life) {
+  const std::string state = recorder::describe_state(life.replay().controller());
+  std::cout << name_of(life) << ", what is not as in a core that has just started:\n"
+            << (state.empty() ? "nothing\n" : state);
+}
+
+/// @return how many lives differ
+unsigned print_results(ReplayedRing& ring) {
+  unsigned different = 0;
+  std::uint64_t records = 0;
+  for (const auto& life : ring.lives()) {
+    records += life->replay().records();
+    if (!life->replay().difference()) {
+      std::cout << name_of(*life) << ": " << life->replay().records() << " records, identical\n";
+      continue;
+    }
+    ++different;
+    print_difference(ring, *life);
+  }
+  std::cout << ring.lives().size() << " lives of nodes, " << records
+            << " records: " << (different == 0 ? "all identical" : std::to_string(different) + " differ") << std::endl;
+  return different;
+}
+
+std::string name_of(const ReplayedRing& ring, std::uint8_t id) {
+  for (const auto& life : ring.lives())
+    if (life->node() == id) return "node " + std::to_string(id) + " (" + life->title().node + ")";
+  return "node " + std::to_string(id);
+}
+
+void print_breach(const ReplayedRing& ring, const promises::Breach& breach) {
+  std::cout << "promise broken " << seconds(ring.after(std::chrono::nanoseconds(breach.at_ns)))
+            << " after the first record, at " << name_of(ring, breach.node) << ": " << to_string(breach.promise) << ": "
+            << breach.what << "\n";
+}
+
+void print_promises(const ReplayedRing& ring, const recorder::ReplayedPromises& promises) {
+  for (const promises::Breach& breach : promises.breaches()) print_breach(ring, breach);
+  const std::uint64_t broken = promises.counts().breaches;
+  std::cout << "promises: " << (broken == 0 ? "all kept" : std::to_string(broken) + " broken") << "; "
+            << describe(promises.counts()) << std::endl;
+}
+
+void require_node(ReplayedRing& ring, const std::string& node) {
+  for (const auto& life : ring.lives())
+    if (is_of(*life, node)) return;
+  throw UsageError("--node " + node + ": there is no recording of it");
+}
+
+void require_no_recording(ReplayedRing& ring, const std::string& capture) {
+  for (const auto& life : ring.lives())
+    if (app::is_same_file(life->file(), capture))
+      throw UsageError("--capture names a recording: " + capture + " would be lost; write to another file");
+}
+
+int check(const CheckOptions& options) {
+  if (options.print && options.node.empty()) throw UsageError("--print goes with --node: all records of one node");
+  if (!options.node.empty() && !options.print && !options.until_ns)
+    throw UsageError("--node goes with --until, for its state, or with --print, for its records");
+  std::unique_ptr<ReplayedRing> ring;
+  try {
+    ring = std::make_unique<ReplayedRing>(options.folder);
+  } catch (const std::runtime_error& problem) {
+    throw UsageError(problem.what());
+  }
+  if (!options.node.empty()) require_node(*ring, options.node);
+  require_no_recording(*ring, options.capture);
+  std::ofstream file;
+  std::optional<recorder::ReplayCapture> capture;
+  if (!options.capture.empty()) {
+    const std::string problem = app::open_for_writing(file, options.capture);
+    if (!problem.empty()) throw UsageError("--capture " + problem);
+    capture.emplace(*ring, file);
+  }
+  const std::chrono::nanoseconds until(options.until_ns.value_or(std::numeric_limits<std::int64_t>::max() / 2));
+  recorder::ReplayedPromises promises(*ring);
+  Progress progress;
+  std::uint64_t done = 0;
+  while (ReplayedLife* life = ring->step(until)) {
+    promises.has_done(*life);
+    if (++done % 4096 == 0) progress.tell("replayed " + std::to_string(done) + " records");
+    if (!options.print || !is_of(*life, options.node)) continue;
+    const recorder::Record& record = life->replay().last();
+    std::cout << seconds(ring->after(life->machine_time(record.at))) << "  " << recorder::describe(record) << '\n';
+  }
+  if (options.until_ns)
+    for (const auto& life : ring->lives())
+      if (options.node.empty() || is_of(*life, options.node)) print_state(*life);
+  promises.finish();
+  print_promises(*ring, promises);
+  const unsigned different = print_results(*ring);
+  if (capture) {
+    const std::string problem = cli::finish_writing(file, options.capture);
+    if (!problem.empty()) throw std::runtime_error(problem);
+  }
+  return different == 0 && promises.counts().breaches == 0 ? kDone : kNotDone;
+}
+
+void add_record_check(CLI::App& app, Context& context) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command =
+      add_command(app, "check", "Replay saved recordings, and judge the promises", "ringctl record check what-happened",
+                  "Compares each byte and each event with what was recorded, and judges the promises over all "
+                  "nodes. Ends with 1 if this program does something else, or if a promise was broken.");
+  command->add_option("DIR", options->folder, "Folder of 'ringctl record save'")->required();
+  command->add_option("--until", options->until_ns, "Stop N seconds after the first record, and print the state")
+      ->transform(cli::nanoseconds(std::chrono::nanoseconds(0), std::chrono::seconds(1'000'000'000)));
+  command->add_option("--node", options->node, "Print state or records (--print) of only this node, id or name");
+  command->add_flag("--print", options->print, "Print each record of --node, a line each");
+  command->add_option("--capture", options->capture,
+                      "Write the packets on all lines there, as pcapng: for 'ringctl traffic why' and Wireshark");
+  command->callback([&context, options] { context.action = [options] { return check(*options); }; });
+}
+
+}  // namespace
+
+void add_record(CLI::App& app, Context& context) {
+  CLI::App& record =
+      add_group(app, "record", "Save and check what the flight recorders wrote", "ringctl record save what-happened");
+  add_save(record, context);
+  add_keep(record, context);
+  add_record_check(record, context);
+}
+
+namespace {
+
+std::string date_of(std::int64_t ns) {
+  const std::time_t seconds = ns / 1'000'000'000;
+  std::tm local{};
+  ::localtime_r(&seconds, &local);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
+  return text;
+}
+
+/// One that cannot be read says so when it is replayed.
+std::string ended_life(const std::string& ring_folder, const std::string& file) try {
+  std::vector<std::uint8_t> bytes(recorder::kTitleSize);
+  std::ifstream(file, std::ios::binary)
+      .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const recorder::Title title = recorder::read_title({bytes.data(), bytes.size()});
+  if (!recorder::is_of_former_life(file) && live::holder_of(ring_folder, title.settings.id).held) return "";
+  return "  " + std::filesystem::path(file).filename().string() + ": " + title.node + ", begun " + date_of(title.date) +
+         '\n';
+} catch (const std::exception&) {
+  return "";
+}
+
+}  // namespace
+
+std::string ended_lives(const std::string& ring_folder, const std::string& folder) {
+  std::string lines;
+  for (const std::string& file : recorder::recordings_in(folder)) lines += ended_life(ring_folder, file);
+  return lines;
+}
+
+}  // namespace limb_ring::ringctl

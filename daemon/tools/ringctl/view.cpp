@@ -1,0 +1,335 @@
+#include "tools/ringctl/view.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "config/load_ring.h"
+#include "config/quantity.h"
+#include "io/program.h"
+#include "limb_ring/payload/joint_state.h"
+#include "limb_ring/payload/packet_type.h"
+#include "tools/common/command_line.h"
+#include "tools/ringctl/command_line.h"
+#include "tools/ringctl/line_report.h"
+#include "tools/ringctl/live_dump.h"
+#include "tools/ringctl/ring_access.h"
+#include "tools/ringctl/status_poll.h"
+#include "tools/ringctl/status_rows.h"
+#include "tools/ringctl/view_server.h"
+#include "wire/packet.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+/// PREFIX/share/limb_ring/web, the programs being in PREFIX/lib/limb_ring.
+std::string page_folder() {
+  const std::filesystem::path programs = process::own_folder();
+  return (programs.parent_path().parent_path() / "share" / "limb_ring" / "web").string();
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Context& context) {
+  auto options = std::make_shared<ViewOptions>();
+  CLI::App* command = add_command(app, "view", "Show the ring in a browser, until Ctrl-C",
+                                  "ringctl view leg8 --control", "Serves one page, and prints its address.");
+  command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
+  command->add_flag("--control", options->control,
+                    "The page may also break, mend, reset and stop, and set the pace of a virtual ring");
+  command->add_option("--port", options->port, "TCP port, 0 to 65535; default 0: any that is free")
+      ->transform(cli::whole(0, 65535));
+  command->add_option("--address", options->address,
+                      "Address of this host to listen at, in numbers; default 127.0.0.1: for this host alone");
+  command->callback([&context, options] {
+    context.action = [&context, options] {
+      options->ring = choose_ring(options->ring, context.ring);
+      options->folder = page_folder();
+      return serve_view(*options);
+    };
+  });
+}
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kPackets{200};  ///< between two messages of packets
+constexpr milliseconds kStatus{500};   ///< between two of status, at least
+constexpr int kStatusShare = 20;       ///< asking takes at most one part of so many of the time
+constexpr milliseconds kTryAgain{1000};
+constexpr std::size_t kListed = 400;                         ///< packets in one message; the others are counted
+constexpr std::chrono::microseconds kBetweenStates{40'000};  ///< joint states of one node that are shown
+constexpr std::size_t kStates = 8;                           ///< of one node in one message
+constexpr unsigned kLimit = 2000;                            ///< packets a second that the daemon gives
+constexpr std::size_t kHappened = 200;  ///< events in one turn; of more a line says how many were left out
+/// Every so many-th packet: primes, so that nodes which send in turns are all seen.
+constexpr unsigned kSamples[] = {1, 2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73};
+
+json joints_of(const config::NodeConfig& node) {
+  json joints = json::array();
+  for (const config::JointConfig& joint : node.joints)
+    joints.push_back(
+        {{"name", joint.name}, {"lower", joint.lower}, {"upper", joint.upper}, {"slides", joint.slides()}});
+  return joints;
+}
+
+/// By node id, out of the ring's file; none where that cannot be read any more.
+std::map<int, json> joints_in(const std::string& path) {
+  std::map<int, json> joints;
+  try {
+    for (const config::NodeConfig& node : config::load_ring(path).nodes) joints[node.id] = joints_of(node);
+  } catch (const config::ConfigError&) {
+  }
+  return joints;
+}
+
+json described(const RingAccess& ring) {
+  const auto joints = joints_in(ring.path());
+  json nodes = json::array();
+  for (const NodeName& node : ring.nodes()) {
+    const auto found = joints.find(node.id);
+    nodes.push_back(
+        {{"id", node.id}, {"name", node.name}, {"joints", found == joints.end() ? json::array() : found->second}});
+  }
+  return {{"ring", ring.ring()}, {"folds_back", ring.folds_back()}, {"nodes", nodes}};
+}
+
+int packet_kind(const CapturedPacket& packet) {
+  const wire::PacketFields fields{{packet.bytes.data(), packet.bytes.size()}};
+  if (fields.code().interrupt) return 2;
+  return wire::is_control(fields) ? 1 : 0;
+}
+
+/// What is seen at the input of one node, until it is told.
+class LatelySeen {
+ public:
+  void add(const CapturedPacket& packet) {
+    if (packet.bytes.size() < wire::kOverhead) return;
+    const wire::PacketFields fields{{packet.bytes.data(), packet.bytes.size()}};
+    const bool damaged = packet.info.crc_bad || packet.info.aborted || packet.info.truncated;
+    if (list_.size() < kListed)
+      list_.push_back(json::array({packet.time_ns / 1000, +fields.source(), +fields.destination(), packet_kind(packet),
+                                   packet.bytes.size(), damaged ? 1 : 0}));
+    if (!damaged && packet_kind(packet) == 0) add_joints(fields, packet.time_ns / 1000);
+  }
+  void add(const CaptureCounts& counts) {
+    const std::uint64_t seen = counts.seen - std::min(counts.seen, counted_);
+    counted_ = counts.seen;
+    const auto now = steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - counted_at_).count();
+    counted_at_ = now;
+    if (seconds > 0.5) rate_ = static_cast<double>(seen) / seconds;
+  }
+  double rate() const { return rate_; }  ///< packets a second on the line
+  void start_anew() { counted_ = 0; }
+
+  /// As the message `packets`, without where; nothing is left.
+  json take() {
+    json all{{"list", std::exchange(list_, json::array())}, {"joints", json::object()}};
+    for (const auto& [node, states] : std::exchange(joints_, {})) all["joints"][std::to_string(node)] = states;
+    return all;
+  }
+
+ private:
+  void add_joints(const wire::PacketFields& fields, std::int64_t time_us) {
+    const wire::ByteView data = fields.data();
+    if (wire::channel_of(fields.last()) != wire::id_of(wire::Channel::joint)) return;
+    if (!payload::is_type({data.data, data.size}, payload::PacketType::joint_state)) return;
+    json& states = joints_[fields.source()];
+    if (!states.empty() && std::abs(time_us - states.back()[0].get<std::int64_t>()) < kBetweenStates.count()) return;
+    const auto state = payload::decode_joint_state({data.data, data.size});
+    if (!state || states.size() >= kStates) return;
+    json row = json::array({time_us});
+    for (const auto& joint : state->joints) row.push_back(joint.position);
+    states.push_back(std::move(row));
+  }
+
+  json list_ = json::array();
+  std::map<int, json> joints_;  ///< by node: [time in us, positions ...] each
+  std::uint64_t counted_ = 0;
+  steady_clock::time_point counted_at_ = steady_clock::now();
+  double rate_ = 0;
+};
+
+/// A ring while somebody looks at it.
+class Look {
+ public:
+  Look(const RingAccess& ring, const ViewedRing::Tell& tell)
+      : ring_(ring),
+        tell_(tell),
+        poll_(
+            ring, [this](std::size_t node) { return order(node); },
+            [this](std::size_t node, const Message& message) { seen(node, message); }) {
+    tell("ring", described(ring).dump());
+    before_ = now_ = poll_.sample();
+    next_status_ = steady_clock::now();
+  }
+
+  /// One turn: what has been seen, and the status if it is due. @return the newest rows where it was
+  const std::vector<json>* turn() {
+    poll_.listen(steady_clock::now() + kPackets);
+    tell_packets();
+    tell_happened();
+    if (steady_clock::now() < next_status_) return nullptr;
+    const auto began = steady_clock::now();
+    before_ = std::exchange(now_, poll_.sample());
+    tell_status();
+    const auto taken = steady_clock::now() - began;
+    next_status_ = began + std::max<steady_clock::duration>(kStatus, kStatusShare * taken);
+    choose_node();
+    return &now_.rows;
+  }
+
+ private:
+  std::string order(std::size_t node) const {
+    json order{{"kinds", {"state", "link", "cpu", "pin", "watchdog"}}};
+    if (node == watched_) order["packets"] = {{"sample", sample_}, {"limit_per_s", kLimit}};
+    return order.dump();
+  }
+
+  void seen(std::size_t node, const Message& message) {
+    if (const auto* packet = std::get_if<CapturedPacket>(&message)) packets_.add(*packet);
+    if (const auto* counts = std::get_if<CaptureCounts>(&message)) {
+      if (node == watched_) packets_.add(*counts);
+    }
+    if (const auto* observed = std::get_if<Observed>(&message)) happened(node, observed->json);
+  }
+
+  void happened(std::size_t node, const std::string& text) {
+    const json event = json::parse(text, nullptr, /*allow_exceptions=*/false);
+    if (!event.is_object() || event.contains("error") || ++happened_ > kHappened) return;
+    tell("happened", json{{"time_ns", event.value("time_ns", std::int64_t{0})},
+                          {"node", ring_.nodes()[node].id},
+                          {"kind", event.value("kind", "")},
+                          {"text", event_words(event)}}
+                         .dump());
+  }
+
+  void tell_happened() {
+    if (happened_ > kHappened)
+      tell("happened", json{{"text", std::to_string(happened_ - kHappened) + " more events, left out"}}.dump());
+    happened_ = 0;
+  }
+
+  void tell_packets() {
+    json all = packets_.take();
+    all["at"] = ring_.nodes()[watched_].id;
+    all["rate"] = packets_.rate();
+    all["sample"] = sample_;
+    tell("packets", all.dump());
+  }
+
+  void tell_status() {
+    std::vector<json> rows = top_rows(before_, now_);
+    json broken;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const json& row = now_.rows[i];
+      rows[i]["faults"] = row.value("faults", json::array());
+      for (const char* name : {"fold", "unanswered", "input", "output"})
+        if (row.contains(name)) rows[i][name] = row[name];
+      if (row.value("broken_line", json()).is_object()) broken = row["broken_line"];
+    }
+    const json clock = now_.clock;
+    tell("status", json{{"headline", headline(ring_.ring(), now_.rows) + clock_words(clock)},
+                        {"report", line_report(now_.rows) + unanswered_report(now_.rows) + warning_report(now_.rows) +
+                                       stop_report(now_.rows) + supervision_text(now_.rows)},
+                        {"clock", clock},
+                        {"interval_s", now_.at_s - before_.at_s},
+                        {"broken_line", broken},
+                        {"rows", rows}}
+                       .dump());
+  }
+
+  /// Packets are seen at a node that answers, and as many as are not too many.
+  void choose_node() {
+    std::size_t node = watched_;
+    for (std::size_t i = 0; i < now_.rows.size() && !poll_.is_connected(node); ++i)
+      node = (node + 1) % now_.rows.size();
+    const double wanted = packets_.rate() / (0.75 * kLimit);
+    const unsigned* sample = std::lower_bound(std::begin(kSamples), std::end(kSamples) - 1, wanted);
+    const bool fits = packets_.rate() / sample_ < kLimit && packets_.rate() / sample_ > kLimit / 4.0;
+    if (node == watched_ && (*sample == sample_ || fits)) return;
+    const std::size_t old = std::exchange(watched_, node);
+    sample_ = *sample;
+    packets_.start_anew();
+    if (old != watched_) poll_.observe(old);
+    poll_.observe(watched_);
+  }
+
+  void tell(const char* event, std::string text) { tell_(event, std::move(text)); }
+
+  const RingAccess& ring_;
+  const ViewedRing::Tell& tell_;
+  std::size_t watched_ = 0;  ///< place of the node at whose input packets are seen
+  unsigned sample_ = 1;
+  LatelySeen packets_;
+  std::size_t happened_ = 0;  ///< in this turn
+  StatusPoll poll_;
+  StatusSample before_, now_;
+  steady_clock::time_point next_status_;
+};
+
+}  // namespace
+
+ViewedRing::ViewedRing(std::string ring, Tell tell)
+    : ring_(std::move(ring)), tell_(std::move(tell)), thread_([this] { run(); }) {}
+
+ViewedRing::~ViewedRing() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ends_ = true;
+    looked_at_ = false;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void ViewedRing::look(bool somebody) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    looked_at_ = somebody;
+  }
+  changed_.notify_all();
+}
+
+std::string ViewedRing::row(const std::string& id) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = rows_.find(id);
+  return found == rows_.end() ? "" : found->second;
+}
+
+bool ViewedRing::wait_for_somebody() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [this] { return looked_at_ || ends_; });
+  return !ends_;
+}
+
+void ViewedRing::run() {
+  while (wait_for_somebody()) {
+    try {
+      look_on();
+    } catch (const std::exception& problem) {
+      tell_("problem", json{{"text", problem.what()}}.dump());
+      std::unique_lock<std::mutex> lock(mutex_);
+      changed_.wait_for(lock, kTryAgain, [this] { return ends_.load(); });
+    }
+  }
+}
+
+void ViewedRing::look_on() {
+  const RingAccess ring = RingAccess::open_also_dead(ring_);
+  Look look(ring, tell_);
+  while (looked_at_) {
+    const std::vector<json>* rows = look.turn();
+    if (rows == nullptr) continue;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const json& row : *rows) rows_[row.at("id").dump()] = row.dump();
+  }
+}
+
+}  // namespace limb_ring::ringctl

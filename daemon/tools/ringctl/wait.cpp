@@ -1,0 +1,148 @@
+#include "tools/ringctl/wait.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "config/ring_config.h"
+#include "core/events.h"
+#include "io/signal_wait.h"
+#include "ring/launched_ring.h"
+#include "tools/common/command_line.h"
+#include "tools/ringctl/command_line.h"
+#include "tools/ringctl/ring_access.h"
+#include "tools/ringctl/ring_watch.h"
+#include "tools/ringctl/screen.h"
+#include "tools/ringctl/status_rows.h"
+#include "wire/control_message.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+struct WaitOptions {
+  std::string what, state;
+  double timeout_s = 10;
+};
+
+Lack lack_of(const WaitOptions& options) {
+  if (!options.state.empty())
+    return [options](const auto& rows) { return lack_of_state(rows, options.what, options.state); };
+  if (options.what != "up")
+    throw UsageError(
+        "'ringctl wait up' waits for the whole ring, 'ringctl wait NODE STATE' for one node: for which "
+        "state of " +
+        options.what + "? " + config::join(state_words()));
+  return lack_of_whole;
+}
+
+int run(const Context& context, const WaitOptions& options) {
+  const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
+  const std::string lacking = wait_for(context.ring, timeout, lack_of(options));
+  if (!lacking.empty()) throw NotDone(lacking);
+  return kDone;
+}
+
+}  // namespace
+
+void add_wait(CLI::App& app, Context& context) {
+  auto options = std::make_shared<WaitOptions>();
+  CLI::App* command = add_command(app, "wait", "Return when the ring is whole, or a node is in a state",
+                                  "ringctl wait left_knee running --timeout 5s");
+  command
+      ->add_option("WHAT", options->what,
+                   "up: all nodes are, and the CPUs that ringd starts run; or a node, id or name")
+      ->required();
+  command
+      ->add_option("STATE", options->state,
+                   "Of that node or its CPU, in the words of 'ringctl status': up, down, "
+                   "open_chain ...; running, hung, stopped, failed ...")
+      ->transform(cli::one_of(state_words()));
+  command->add_option("--timeout", options->timeout_s, "Exit code 1 after that time, 0 to 3600 s; default 10s")
+      ->transform(cli::seconds(0, 3600));
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
+}
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+/// A daemon that lives has answered by then, also where the wait is shorter.
+constexpr milliseconds kShortestLook{500};
+
+std::string label_of(const json& row) {
+  return "node " + label({row.at("id").get<std::uint8_t>(), row.at("name").get<std::string>()});
+}
+
+/// Why a node will never get into the ring: it is refused. Empty if no node is.
+std::string refusal_in(const std::vector<json>& rows) {
+  for (const json& row : rows)
+    for (const json& refusal : row.value("refusals", json::array())) return "; " + refusal.value("text", "");
+  return {};
+}
+
+/// Nothing where no ring runs yet.
+std::vector<json> rows_of(const std::string& ring, Deadline deadline, std::string& why_none) {
+  try {
+    return status_rows(RingAccess::open(choose_ring(ring), {}, deadline), deadline);
+  } catch (const NoRing& none) {
+    why_none = none.what();
+    return {};
+  }
+}
+
+std::string with_clock_of(const std::vector<json>& rows, const std::string& lacking) {
+  for (const json& row : rows)
+    if (row.contains("ring")) return live::with_standing_clock(lacking, row["ring"].get<std::string>());
+  return lacking;
+}
+
+}  // namespace
+
+std::string lack_of_whole(const std::vector<json>& rows) {
+  for (const json& row : rows) {
+    const std::string lack = lack_of_node(row, rows.size());
+    if (!lack.empty()) return label_of(row) + ": " + lack + refusal_in(rows);
+  }
+  return {};
+}
+
+std::string lack_of_state(const std::vector<json>& rows, const std::string& node, const std::string& state) {
+  std::vector<NodeName> nodes;
+  for (const json& row : rows) {
+    const std::string name = row.at("name").get<std::string>();
+    nodes.push_back({row.at("id").get<std::uint8_t>(), name});
+    if (name != node && row.at("id").dump() != node) continue;
+    if (row.value("state", "") == state || cpu_word(row) == state) return {};
+    return label_of(row) + ": it is " + row.value("state", "") + ", its CPU " + cpu_word(row);
+  }
+  throw unknown_node(node, rows.empty() ? "" : rows[0].value("ring", ""), nodes);
+}
+
+std::vector<std::string> state_words() {
+  std::vector<std::string> words{"down", "frozen", "unanswered", "hung", "stopped"};  // ringctl's own
+  for (unsigned i = 0; i <= static_cast<unsigned>(core::NodeState::duplicate_id); ++i)
+    words.emplace_back(to_string(static_cast<core::NodeState>(i)));
+  for (unsigned i = 0; i <= static_cast<unsigned>(wire::CpuState::failed); ++i)
+    words.emplace_back(to_string(static_cast<wire::CpuState>(i)));
+  return words;
+}
+
+std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& lack) {
+  const auto deadline = steady_clock::now() + timeout;
+  process::SignalWait signals;
+  Progress progress;
+  for (;;) {
+    std::string lacking;
+    const auto rows = rows_of(ring, std::max(deadline, steady_clock::now() + kShortestLook), lacking);
+    if (lacking.empty()) lacking = lack(rows);
+    if (lacking.empty()) return lacking;
+    if (steady_clock::now() >= deadline) return rows.empty() ? lacking : with_clock_of(rows, lacking);
+    if (process::SignalWait::asks_to_end(signals.next(process::SignalWait::kTick))) return "interrupted; " + lacking;
+    progress.tell("waiting, " + lacking);
+  }
+}
+
+}  // namespace limb_ring::ringctl
