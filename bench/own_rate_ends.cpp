@@ -5,17 +5,75 @@
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "bench/measurement.h"
-
 namespace {
 
 /// Until the ring is closed, all joints are heard and the first commands are obeyed.
 constexpr double kSettling = 2;
+
+/// From one ring_status to another, each what the ring's nodes knew in that instant: how long that is, and what they
+/// counted meanwhile.
+class StatusSpan {
+ public:
+  /// @param seconds it is so long at least
+  explicit StatusSpan(double seconds) : seconds_(seconds) {}
+
+  void take(const limb_ring::RingStatus& status, ros::WallTime now) {
+    if (done()) return;
+    last_ = counts_of(status);
+    if (!begun()) {
+      begun_ = now;
+      first_ = last_;
+    }
+    ended_ = now;
+  }
+
+  bool begun() const { return !begun_.isZero(); }
+  bool done() const { return begun() && seconds() >= seconds_; }
+  double seconds() const { return (ended_ - begun_).toSec(); }
+  /// Joint states that the nodes' CPUs sent, and of those the ones that did not come.
+  std::uint64_t samples() const { return last_.received - first_.received + left_out(); }
+  std::uint64_t left_out() const { return last_.missing - first_.missing; }
+  /// Commands that each node with joints has taken, on average.
+  double commands_each() const {
+    if (last_.nodes == 0) return 0;
+    return static_cast<double>(last_.commands - first_.commands) / static_cast<double>(last_.nodes);
+  }
+  /// s, at the end, of the node for which it is worst
+  double lap_p50() const { return last_.lap_p50; }
+  double lap_p99() const { return last_.lap_p99; }
+
+ private:
+  struct Counts {
+    std::uint64_t received = 0, missing = 0;
+    std::uint64_t commands = 0, nodes = 0;
+    double lap_p50 = 0, lap_p99 = 0;
+  };
+
+  static Counts counts_of(const limb_ring::RingStatus& status) {
+    Counts counts;
+    for (std::size_t i = 0; i < status.counter_names.size(); ++i)
+      if (status.counter_names[i] == "commands_delivered") counts.commands = status.counter_values[i];
+    for (const auto& node : status.nodes) {
+      counts.nodes += node.states_received != 0;
+      counts.received += node.states_received;
+      counts.missing += node.states_missing;
+      counts.lap_p50 = std::max(counts.lap_p50, node.round_trip_p50);
+      counts.lap_p99 = std::max(counts.lap_p99, node.round_trip_p99);
+    }
+    return counts;
+  }
+
+  double seconds_;
+  ros::WallTime begun_, ended_;
+  Counts first_, last_;
+};
 
 class OwnRateEnds {
  public:
@@ -66,7 +124,7 @@ class OwnRateEnds {
   ros::WallTimer timer_;
   sensor_msgs::JointState pose_;
   ros::WallTime settled_;
-  limb_ring::bench::StatusSpan span_;
+  StatusSpan span_;
   std::uint64_t counted_ = 0;
 };
 
