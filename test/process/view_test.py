@@ -143,11 +143,12 @@ class View(ViewTest):
 
     def test_it_asks_the_ring_only_while_a_page_looks(self):
         server = self.view()
-        self.assert_serves()
         idle = self.sockets_of(server)
+        self.assert_serves()
+        self.wait('what asked for the page is gone', lambda: self.sockets_of(server) == idle)
         page = self.stream()
         self.events_until(page, lambda kind, message: kind == 'status')
-        self.assertGreaterEqual(self.sockets_of(server), idle + 1 + 4)
+        self.wait('it asks the four daemons', lambda: self.sockets_of(server) == idle + 1 + 4)
         page.close()
         self.wait('its connections to the daemons end', lambda: self.sockets_of(server) <= idle)
 
