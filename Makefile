@@ -95,7 +95,7 @@ coverage: deps ## How much of the sources the tests run, by folder (ONLY="test_c
 	find $(BUILD)-coverage -name '*.gcda' -delete
 	cd $(BUILD)-coverage && GCOV_ERROR_FILE=$$PWD/gcov_errors ctest -j$(JOBS) --output-on-failure -E '^consumer_of' $(if $(ONLY),-R '^($(subst $(SPACE),|,$(strip $(ONLY))))$$') || \
 	  echo "Not all tests have passed: what is printed is of all that were run."
-	$(PYTHON) test/coverage/print_coverage --build $(BUILD)-coverage $(if $(FILES),--files $(FILES))
+	$(PYTHON) scripts/print_coverage --build $(BUILD)-coverage $(if $(FILES),--files $(FILES))
 
 # Everything that reads bytes or text from outside, given anything; in a build of its own, by clang's libFuzzer.
 SECONDS ?= 60

@@ -9,10 +9,10 @@
 #include <random>
 
 #include "judge/flight_recorder.h"
+#include "judge/judged_ring.h"
+#include "judge/recorded_lives.h"
 #include "judge/replayed_ring.h"
 #include "mutants/mutation.h"
-#include "promises/judged_ring.h"
-#include "recorder/recorded_lives.h"
 #include "sim/virtual_line_faults.h"
 
 namespace limb_ring::promises {

@@ -2,8 +2,8 @@
 // way round.
 #include <gtest/gtest.h>
 
+#include "judge/recorded_lives.h"
 #include "mutants/mutation.h"
-#include "recorder/recorded_lives.h"
 #include "study/random_faults.h"
 
 namespace limb_ring::recorder {
