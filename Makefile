@@ -139,7 +139,7 @@ conform: build ## The conformance kit on ringd, the nodes in C and Python, and o
 	cd $(BUILD) && ctest -j$(JOBS) --output-on-failure -R '^conform_'
 
 bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
-	@code=0; (set -x; $(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)) || code=$$?; $(MAKE) bench-sim && exit $$code
+	@code=0; (set -x; $(BUILD)/devel/lib/limb_ring/ring_bench $(BENCH_ARGS)) || code=$$?; $(MAKE) bench-sim && exit $$code
 
 # In a build of its own, for speed whatever the other is built for.
 bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)

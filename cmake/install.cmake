@@ -8,7 +8,7 @@ endforeach()
 # Where the links are made they lead nowhere, and have other names: roslaunch takes what has a program's name.
 file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/bin)
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/links)
-foreach(program ringd ringctl ring_sim limb_firmware)
+foreach(program ringd ringctl ring_sim compare_networks limb_firmware)
   file(CREATE_LINK ../${LIMB_RING_BIN}/${program} ${PROJECT_BINARY_DIR}/links/${program}.link SYMBOLIC)
   install(FILES ${PROJECT_BINARY_DIR}/links/${program}.link DESTINATION bin RENAME ${program})
   install(FILES completion/limb_ring.bash DESTINATION share/bash-completion/completions RENAME ${program})

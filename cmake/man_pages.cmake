@@ -1,7 +1,7 @@
 # A man page of each program, written by the program itself from the table that --help prints.
 set(pages)
 if(NOT CMAKE_CROSSCOMPILING)
-  foreach(program ringd ringctl ring_sim limb_firmware ring_bridge)
+  foreach(program ringd ringctl ring_sim compare_networks limb_firmware ring_bridge)
     if(TARGET ${program})
       set(page ${PROJECT_BINARY_DIR}/man/${program}.1)
       add_custom_command(OUTPUT ${page} COMMAND ${program} man-page > ${page} DEPENDS ${program} VERBATIM)

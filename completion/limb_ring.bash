@@ -9,4 +9,4 @@ _limb_ring() {
   [ "$word" != = ] || words+=('')
   COMPREPLY=($("$1" complete "${words[@]}" 2> /dev/null))
 }
-complete -o default -F _limb_ring ringctl ringd ring_sim limb_firmware
+complete -o default -F _limb_ring ringctl ringd ring_sim compare_networks limb_firmware

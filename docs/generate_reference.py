@@ -2,7 +2,7 @@
 """Writes the pages of docs/reference that programs, launch files and docstrings know better.
 
 usage: generate_reference.py --programs FOLDER [--check]
-  --programs  folder with ringctl, ring_sim, ringd and limb_firmware; the Python package must be found by PYTHONPATH
+  --programs  folder with the programs; the Python package must be found by PYTHONPATH
   --check     writes nothing; ends with 1 where a page is not what would be written
 """
 import argparse
@@ -16,7 +16,7 @@ import xml.etree.ElementTree as xml
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(HERE)
 WRITTEN = '<!-- Written by docs/generate_reference.py; do not edit by hand. -->\n\n'
-PROGRAMS = ('ringctl', 'ring_sim', 'ringd', 'limb_firmware')
+PROGRAMS = ('ringctl', 'ring_sim', 'compare_networks', 'ringd', 'limb_firmware')
 
 
 def output_of(*words):

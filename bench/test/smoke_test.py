@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""smoke_test.py RINGCTL: a small benchmark runs, says what it promises, and leaves nothing behind."""
+"""smoke_test.py RING_BENCH: a small benchmark runs, says what it promises, and leaves nothing behind."""
 import glob
 import json
 import os
@@ -8,12 +8,12 @@ import sys
 import tempfile
 import unittest
 
-RINGCTL = sys.argv.pop(1) if len(sys.argv) > 1 else "ringctl"
+RING_BENCH = sys.argv.pop(1) if len(sys.argv) > 1 else "ring_bench"
 
 
 def bench(folder, *arguments):
     environment = dict(os.environ, TMPDIR=folder, XDG_RUNTIME_DIR=os.path.join(folder, "mine"))
-    return subprocess.run([RINGCTL, "bench", *arguments], env=environment, timeout=100,
+    return subprocess.run([RING_BENCH, *arguments], env=environment, timeout=100,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
 
 

@@ -53,7 +53,7 @@ class Install(unittest.TestCase):
         return os.listdir(os.path.join(self.prefix, 'bin'))
 
     def test_a_every_program_on_path_runs_and_has_a_man_page_and_completion(self):
-        self.assertEqual(sorted(self.programs()), ['limb_firmware', 'ring_sim', 'ringctl', 'ringd'])
+        self.assertEqual(sorted(self.programs()), ['compare_networks', 'limb_firmware', 'ring_sim', 'ringctl', 'ringd'])
         for program in self.programs():
             self.assertIn(program + ' ', run(os.path.join(self.prefix, 'bin', program), '--version'))
             self.assertIn('.SH SEE ALSO', self.man(program))

@@ -116,7 +116,6 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   add_run(app, context);
   add_plan(app, context);
-  add_compare(app, context);
   for (const auto add : {add_table, add_compare_traces, add_soak, add_explore}) add(app, context);
   for (const char* name : {"table", "compare-traces", "soak", "explore"})
     app.get_subcommand(name)->group("For those who change limb_ring");

@@ -45,15 +45,14 @@ void add_table(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_soak(CLI::App& app, Context& context);
 void add_explore(CLI::App& app, Context& context);
-void add_compare(CLI::App& app, Context& context);
 void add_compare_traces(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
 
 /// What ring_sim ends with; every --help says so too.
 enum ExitCode : int {
   kDone = 0,
-  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, gnuplot is missing or fails, a
-  /// disk is full, or somebody has asked it to end before all was done.
+  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, a disk is full,
+  /// or somebody has asked it to end before all was done.
   kBroken = 1,
   /// Wrong arguments, a configuration that is refused, or a folder that cannot be written.
   kUsage = 2
@@ -64,8 +63,8 @@ constexpr const char* kExitCodesInShort = "Exit code: 0 done, 1 broken promise o
 
 constexpr const char* kExitCodesHelp =
     "Exit code: 0 done\n"
-    "  1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, gnuplot is missing or "
-    "fails, a disk is full, or it was interrupted\n"
+    "  1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, a disk is full, or it was "
+    "interrupted\n"
     "  2 wrong arguments or configuration, or a folder that cannot be written";
 
 /// Ends ring_sim with kUsage.
@@ -76,16 +75,18 @@ struct UsageError : std::runtime_error {
 /// Says on standard error what is being done, every two seconds, once it takes longer than that.
 class Progress {
  public:
+  explicit Progress(const char* program = "ring_sim") : program_(program) {}
   void tell(const std::string& what) {
     const auto now = Clock::now();
     if (now < next_) return;
     next_ = now + kQuiet;
-    std::cerr << "ring_sim: " << what << " ..." << std::endl;
+    std::cerr << program_ << ": " << what << " ..." << std::endl;
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::seconds kQuiet{2};
+  const char* program_;
   Clock::time_point next_ = Clock::now() + kQuiet;
 };
 

@@ -65,8 +65,6 @@ void add_commands(CLI::App& app, Context& context) {
   add_scenario(app, context);
   add_hosts(app, context);
   add_conform(app, context);
-  add_bench(app, context);
-  app.get_subcommand("bench")->group("For measurements");
 }
 
 int failed(const std::exception& problem, ExitCode code) {

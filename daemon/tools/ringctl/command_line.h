@@ -63,7 +63,6 @@ void add_scenario(CLI::App& app, Context& context);
 void add_scenario_list(CLI::App& scenario, Context& context);    ///< below `scenario`
 void add_scenario_shrink(CLI::App& scenario, Context& context);  ///< below `scenario`
 void add_hosts(CLI::App& app, Context& context);                 ///< key, launch
-void add_bench(CLI::App& app, Context& context);
 void add_conform(CLI::App& app, Context& context);
 
 /// What a shell may complete: names of the rings that run, where `wanted` is "RING" or "--ring"; of a ring's nodes

@@ -77,18 +77,6 @@ TEST(Run, NamesTheFileThatAFullDiskHasNoRoomFor) {
   }
 }
 
-TEST(Compare, RefusesWhatDoesNotFitIntoMemory) {
-  const std::vector<std::vector<std::string>> all{{"--nodes", "254", "--payload", "1"},
-                                                  {"--rate", "1kbit/s", "--relay-delay", "1s"},
-                                                  {"--rate", "100Gbit/s", "--relay-delay", "1ms"}};
-  for (std::vector<std::string> arguments : all) {
-    arguments.insert(arguments.begin(), "compare");
-    const CliRun said = ring_sim(arguments);
-    EXPECT_EQ(said.code, kUsage) << arguments[1];
-    EXPECT_THAT(said.errors, HasSubstr("a full load of messages does not fit into memory: fewer --nodes"));
-  }
-}
-
 TEST(Soak, SaysHowManySeedsAndThatNothingBroke) {
   const nlohmann::json row = json_of({"soak", "--seeds", "5", "--first", "100", "--json"});
   EXPECT_EQ(row.at("seeds"), 5);
@@ -145,7 +133,7 @@ TEST(Explore, OneRunAloneTakesNothingThatBoundsMany) {
 }
 
 TEST(Commands, ExplainThemselvesAndTheirExitCodes) {
-  for (const char* command : {"table", "run", "compare", "plan", "soak"}) {
+  for (const char* command : {"table", "run", "plan", "soak"}) {
     const CliRun said = ring_sim({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done"))) << command;

@@ -1,9 +1,9 @@
 #include "comparison/measurements.h"
+#include "comparison/plots/picture.h"
 #include "study/model_ring.h"
 #include "tools/common/text_table.h"
-#include "tools/ring_sim/plots/picture.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -57,4 +57,4 @@ Picture plot_round_trips(const PlotInput& input) {
   return out;
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -1,11 +1,11 @@
 // gnuplot as a child: what it draws, and every way in which it does not.
 #include <gmock/gmock.h>
 
+#include "comparison/plots/plots.h"
+#include "comparison/test/plot_folder.h"
 #include "tools/ring_sim/command_line.h"
-#include "tools/ring_sim/plot_folder.h"
-#include "tools/ring_sim/plots/plots.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 namespace {
 
 using testing::HasSubstr;
@@ -38,7 +38,8 @@ TEST_F(Gnuplot, FileThatCannotBeWrittenIsAUsageError) {
   LIMB_RING_NEEDS_GNUPLOT();
   std::filesystem::create_directory(folder + "/line.gp");
   const auto draw = [this] { PlotFolder(folder).draw(kLine); };
-  EXPECT_THAT(test::thrown<UsageError>(draw), HasSubstr(folder + "/line.gp: cannot be written: Is a directory"));
+  EXPECT_THAT(test::thrown<ring_sim::UsageError>(draw),
+              HasSubstr(folder + "/line.gp: cannot be written: Is a directory"));
 }
 
 TEST_F(Gnuplot, MissingNamesThePackage) {
@@ -53,4 +54,4 @@ TEST_F(Gnuplot, ProgramThatCannotBeStartedIsAnError) {
 }
 
 }  // namespace
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -1,14 +1,14 @@
-#include "tools/ring_sim/plots/plots.h"
+#include "comparison/plots/plots.h"
 
 #include <fstream>
 #include <iostream>
 
+#include "comparison/plots/gnuplot.h"
 #include "tools/common/command_line.h"
 #include "tools/common/ring_file.h"
 #include "tools/ring_sim/command_line.h"
-#include "tools/ring_sim/plots/gnuplot.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -42,7 +42,7 @@ std::string script_of(const Picture& picture) {
 }  // namespace
 
 PlotFolder::PlotFolder(const std::string& path) : path_(path) {
-  if (const std::string problem = app::make_output_folder(path); !problem.empty()) throw UsageError(problem);
+  if (const std::string problem = app::make_output_folder(path); !problem.empty()) throw ring_sim::UsageError(problem);
   gnuplot_ = find_gnuplot();
 }
 
@@ -50,7 +50,7 @@ void PlotFolder::write(const std::string& name, const std::string& text) const {
   const std::string path = path_ + "/" + name;
   std::ofstream file;
   const std::string wrong_place = app::open_for_writing(file, path);
-  if (!wrong_place.empty()) throw UsageError(wrong_place);
+  if (!wrong_place.empty()) throw ring_sim::UsageError(wrong_place);
   file << text;
   const std::string not_written = cli::finish_writing(file, path);
   if (!not_written.empty()) throw std::runtime_error(not_written);
@@ -60,11 +60,11 @@ void PlotFolder::draw(const Picture& picture) const {
   write(picture.name + ".csv", picture.csv);
   write(picture.name + ".gp", script_of(picture));
   run_gnuplot(gnuplot_, path_, picture.name + ".gp", kLimit);
-  std::cerr << "ring_sim: " << path_ << '/' << picture.name << ".png and .svg" << std::endl;
+  std::cerr << "compare_networks: " << path_ << '/' << picture.name << ".png and .svg" << std::endl;
 }
 
 void draw_all(const PlotFolder& folder, const PlotInput& input) {
-  std::cerr << "ring_sim: plots ..." << std::endl;
+  std::cerr << "compare_networks: plots ..." << std::endl;
   folder.draw(plot_latency_nodes(input));
   folder.draw(plot_latency_nodes_own_rates(input));
   folder.draw(plot_efficiency(input));
@@ -74,4 +74,4 @@ void draw_all(const PlotFolder& folder, const PlotInput& input) {
   folder.draw(plot_timeline_worst(input));
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -7,11 +7,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "comparison/plots/gnuplot.h"
 #include "support/own_folder.h"
 #include "support/thrown.h"
-#include "tools/ring_sim/plots/gnuplot.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 /// A fresh folder for each test, removed at its end; PATH is put back too.
 class PlotTest : public test::OwnFolder {
@@ -39,4 +39,4 @@ class PlotTest : public test::OwnFolder {
 #define LIMB_RING_NEEDS_GNUPLOT() \
   if (gnuplot_missing()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)"
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

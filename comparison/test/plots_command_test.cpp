@@ -1,24 +1,34 @@
-// ring_sim compare --plots, as a user runs it.
+// compare_networks, as a user runs it.
 #include <gmock/gmock.h>
 
 #include <filesystem>
 
+#include "comparison/command_line.h"
+#include "comparison/test/plot_folder.h"
+#include "tools/completed_help.h"
 #include "tools/ring_sim/command_line.h"
-#include "tools/ring_sim/plot_folder.h"
-#include "tools/ring_sim/run_ring_sim.h"
+#include "tools/run_cli.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 namespace {
 
+using ring_sim::kBroken;
+using ring_sim::kDone;
+using ring_sim::kUsage;
 using testing::HasSubstr;
+
+CliRun compare_networks(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "compare_networks");
+  return run_cli(run_command_line, std::move(arguments));
+}
 
 const char* const kPictures[] = {"latency_nodes", "latency_nodes_own_rates", "efficiency",    "round_trips",
                                  "embedding",     "timeline_alone",          "timeline_worst"};
 
 struct Plots : PlotTest {
-  /// compare on a small ring, so that it does not take long.
+  /// On a small ring, so that it does not take long.
   static CliRun compare(const std::string& to) {
-    return ring_sim({"compare", "--nodes", "4", "--payload", "64", "--seed", "9", "--plots", to});
+    return compare_networks({"--nodes", "4", "--payload", "64", "--seed", "9", "--plots", to});
   }
 };
 
@@ -74,5 +84,18 @@ TEST_F(Plots, IntoAFolderThatCannotBeMadeIsAUsageError) {
   EXPECT_THAT(said.errors, HasSubstr("cannot make the folder " + folder + "/file/plots"));
 }
 
+TEST(Compare, RefusesWhatDoesNotFitIntoMemory) {
+  const std::vector<std::vector<std::string>> all{{"--nodes", "254", "--payload", "1"},
+                                                  {"--rate", "1kbit/s", "--relay-delay", "1s"},
+                                                  {"--rate", "100Gbit/s", "--relay-delay", "1ms"}};
+  for (const std::vector<std::string>& arguments : all) {
+    const CliRun said = compare_networks(arguments);
+    EXPECT_EQ(said.code, kUsage) << arguments[1];
+    EXPECT_THAT(said.errors, HasSubstr("a full load of messages does not fit into memory: fewer --nodes"));
+  }
+}
+
+TEST(Compare, AllThatHelpNamesIsCompleted) { expect_help_completed(compare_networks); }
+
 }  // namespace
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -1,10 +1,10 @@
 #include <algorithm>
 
+#include "comparison/plots/picture.h"
 #include "study/model_ring.h"
 #include "tools/ring_sim/command_line.h"
-#include "tools/ring_sim/plots/picture.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -25,7 +25,7 @@ std::vector<Column> columns_of(const PlotInput& input, bool own_rate) {
   for (const unsigned nodes : input.options.nodes) columns.front().cells.push_back(std::to_string(nodes));
   for (const study::NodesPoint& point : input.comparison.against_nodes) {
     const study::Subject& subject = point.subject;
-    const std::string rate = own_rate ? " at " + megabits(subject.rate) + " Mbit/s" : "";
+    const std::string rate = own_rate ? " at " + ring_sim::megabits(subject.rate) + " Mbit/s" : "";
     if (subject.own_rate == own_rate) add_point(columns, subject.method + rate, us(point.at_once.worst));
   }
   return columns;
@@ -78,4 +78,4 @@ Picture plot_latency_nodes(const PlotInput& input) { return latencies_of(input, 
 
 Picture plot_latency_nodes_own_rates(const PlotInput& input) { return latencies_of(input, /*own_rate=*/true); }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -1,4 +1,4 @@
-#include "tools/ring_sim/plots/gnuplot.h"
+#include "comparison/plots/gnuplot.h"
 
 #include <sys/mman.h>
 
@@ -11,7 +11,7 @@
 #include "io/program.h"
 #include "io/spawn.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -66,4 +66,4 @@ void run_gnuplot(const std::string& gnuplot, const std::string& folder, const st
   if (!child.ended()->clean) throw std::runtime_error(where + last_words(output.get()));
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -1,7 +1,7 @@
+#include "comparison/plots/picture.h"
 #include "tools/common/text_table.h"
-#include "tools/ring_sim/plots/picture.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -30,4 +30,4 @@ Picture plot_efficiency(const PlotInput& input) {
               "columns = " + std::to_string(columns.size()) + "\n" + kPlot};
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

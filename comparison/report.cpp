@@ -1,57 +1,13 @@
-#include "tools/ring_sim/compare.h"
+#include "comparison/report.h"
 
 #include <functional>
-#include <iostream>
-#include <memory>
-#include <optional>
 
 #include "study/model_ring.h"
 #include "tools/common/text_table.h"
 #include "tools/ring_sim/command_line.h"
-#include "tools/ring_sim/plots/plots.h"
 #include "wire/packet.h"
 
-namespace limb_ring::ring_sim {
-namespace {
-
-struct CompareOptions {
-  study::ComparisonOptions comparison;
-  app::Format format = app::Format::text;
-  std::optional<std::string> plots;  ///< folder
-};
-
-int run(CompareOptions& options) {
-  study::ComparisonOptions& comparison = options.comparison;
-  if (!comparable(comparison.medium))
-    throw UsageError(
-        "a full load of messages does not fit into memory: fewer --nodes, more --payload or a shorter "
-        "--relay-delay (at --rate, and at 1000 Mbit/s, the ring's own rate) is needed");
-  std::optional<PlotFolder> plots;  // made first: a folder that cannot be written ends this before anything is measured
-  if (options.plots) plots.emplace(*options.plots);
-  comparison.tell = [progress = Progress()](const study::Subject& subject) mutable {
-    progress.tell(subject.method + (" at " + app::number(static_cast<double>(subject.rate) * 1e-6, 0)) + " Mbit/s");
-  };
-  const study::Comparison result = compare(comparison);
-  std::cout << format_comparison(result, comparison, options.format) << std::flush;
-  if (plots) draw_all(*plots, {result, comparison});
-  return kDone;
-}
-
-}  // namespace
-
-void add_compare(CLI::App& app, Context& context) {
-  auto options = std::make_shared<CompareOptions>();
-  CLI::App* command = add_command(app, "compare", "Compare with ARCNET, EtherCAT, SERCOS II, CAN ...",
-                                  "ring_sim compare --nodes 16 --payload 64");
-  add_medium(*command, options->comparison.medium);
-  add_seed(*command, options->comparison.seed);
-  add_format(*command, options->format);
-  command
-      ->add_option("--plots", options->plots,
-                   "Draw pictures into this folder too, as PNG and SVG, beside their data and gnuplot scripts")
-      ->type_name("DIR");
-  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
-}
+namespace limb_ring::comparison {
 
 using app::Row;
 using study::Comparison;
@@ -187,7 +143,7 @@ TextTable table_of(const Comparison& comparison, bool own_rate, const Cells& hea
   TextTable table{heading};
   for (const study::MethodRow& method : comparison.methods) {
     if (method.subject.own_rate != own_rate) continue;
-    table.push_back({method.subject.method, megabits(method.subject.rate)});
+    table.push_back({method.subject.method, ring_sim::megabits(method.subject.rate)});
     fill(table.back(), method.figures);
   }
   return table;
@@ -222,7 +178,7 @@ std::string series(const Points& points, bool own_rate, Cells heading,
   for (const auto& point : points) {
     if (point.subject.own_rate != own_rate) continue;
     if (table.size() == 1 || table.back().front() != point.subject.method)
-      table.push_back({point.subject.method, megabits(point.subject.rate)});
+      table.push_back({point.subject.method, ring_sim::megabits(point.subject.rate)});
     table.back().push_back(cell(point));
   }
   return app::text_table(table);
@@ -244,7 +200,7 @@ std::string against_nodes(const Comparison& comparison, const ComparisonOptions&
 
 std::string group(const Comparison& comparison, const ComparisonOptions& options, bool own_rate) {
   std::string text = own_rate ? "==== Each at its own rate (the paper's Table I) ====\n"
-                              : "==== All at " + megabits(options.medium.rate) + " Mbit/s ====\n";
+                              : "==== All at " + ring_sim::megabits(options.medium.rate) + " Mbit/s ====\n";
   text +=
       "\nLatency of a message, us, worst seen and mean: alone; all nodes at once, to the node opposite and\n"
       "to random ones; random load of " +
@@ -275,7 +231,8 @@ constexpr const char* kNotes =
 /// The worst case, which a run shows only where the others start at exactly the right instants. (docs/protocol.md)
 std::string bound(const study::Medium& medium) {
   const study::Duration hop = medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay;
-  return "At " + megabits(medium.rate) + " Mbit/s limb_ring's bound after h hops is h (T + d), whatever data others\n" +
+  return "At " + ring_sim::megabits(medium.rate) +
+         " Mbit/s limb_ring's bound after h hops is h (T + d), whatever data others\n" +
          "send: " + us((medium.nodes - 1) * hop) + " us to the farthest node, " + us(medium.nodes * hop) +
          " us until it is back.\n\n";
 }
@@ -290,4 +247,4 @@ std::string comparison_text(const Comparison& comparison, const ComparisonOption
          bound(medium) + kNotes;
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

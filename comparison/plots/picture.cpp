@@ -1,4 +1,4 @@
-#include "tools/ring_sim/plots/picture.h"
+#include "comparison/plots/picture.h"
 
 #include <sstream>
 
@@ -6,7 +6,7 @@
 #include "tools/common/text_table.h"
 #include "tools/ring_sim/command_line.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -16,7 +16,7 @@ constexpr int kPicoseconds = 6;  // decimals of a us
 
 std::string us(study::Duration duration) { return app::number(study::microseconds(duration), kPicoseconds); }
 
-std::string rate_of(const study::Medium& medium) { return megabits(medium.rate) + " Mbit/s"; }
+std::string rate_of(const study::Medium& medium) { return ring_sim::megabits(medium.rate) + " Mbit/s"; }
 
 std::string figures_of(const study::ComparisonOptions& options) {
   return figures_of(options, std::to_string(options.medium.nodes), rate_of(options.medium));
@@ -49,4 +49,4 @@ void add_point(std::vector<Column>& columns, const std::string& method, const st
   columns.back().cells.push_back(cell);
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

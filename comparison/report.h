@@ -5,7 +5,7 @@
 #include "comparison/comparison.h"
 #include "tools/common/text_table.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 /// The comparison for people (tables in groups, at most 100 columns), as one JSON object (the
 /// options, and an array for each vector of study::Comparison), or as CSV with one value in a row.
@@ -17,4 +17,4 @@ std::string format_comparison(const study::Comparison& comparison, const study::
 /// with up to 10 loads and 10 numbers of nodes.
 std::string comparison_text(const study::Comparison& comparison, const study::ComparisonOptions& options);
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -1,9 +1,9 @@
 #include "comparison/measurements.h"
+#include "comparison/plots/picture.h"
 #include "study/model_ring.h"
 #include "tools/common/text_table.h"
-#include "tools/ring_sim/plots/picture.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -55,4 +55,4 @@ Picture plot_embedding(const PlotInput& input) {
               set("worst_between", between.max()) + kPlot};
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

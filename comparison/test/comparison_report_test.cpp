@@ -3,9 +3,9 @@
 
 #include <sstream>
 
-#include "tools/ring_sim/compare.h"
+#include "comparison/report.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 namespace {
 
 using study::Comparison;
@@ -66,4 +66,4 @@ TEST(ComparisonReport, CsvHasOneValueInARow) {
 }
 
 }  // namespace
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

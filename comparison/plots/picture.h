@@ -5,7 +5,7 @@
 
 #include "comparison/comparison.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 /// One picture: figures and the gnuplot commands that draw them.
 struct Picture {
@@ -61,4 +61,4 @@ std::string csv_of(const std::vector<Column>& columns);
 /// Adds a point of a method's curve: to the last column where it is that method's, else to a new one.
 void add_point(std::vector<Column>& columns, const std::string& method, const std::string& cell);
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 /// Path of gnuplot. @throw std::runtime_error where there is none; says what to install
 std::string find_gnuplot();
@@ -16,4 +16,4 @@ std::string find_gnuplot();
 void run_gnuplot(const std::string& gnuplot, const std::string& folder, const std::string& script,
                  std::chrono::milliseconds limit);
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

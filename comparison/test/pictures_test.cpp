@@ -5,9 +5,9 @@
 #include <numeric>
 #include <sstream>
 
-#include "tools/ring_sim/plots/picture.h"
+#include "comparison/plots/picture.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 namespace {
 
 using study::Comparison;
@@ -113,4 +113,4 @@ TEST_F(Pictures, TimelinesHaveARowForEachNode) {
 }
 
 }  // namespace
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison

@@ -1,10 +1,10 @@
 #include "comparison/measurements.h"
 
+#include "comparison/plots/picture.h"
 #include "study/model_ring.h"
 #include "tools/common/text_table.h"
-#include "tools/ring_sim/plots/picture.h"
 
-namespace limb_ring::ring_sim {
+namespace limb_ring::comparison {
 
 namespace {
 
@@ -95,4 +95,4 @@ Picture plot_timeline_worst(const PlotInput& input) {
                  timeline, input);
 }
 
-}  // namespace limb_ring::ring_sim
+}  // namespace limb_ring::comparison
