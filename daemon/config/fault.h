@@ -3,10 +3,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "wire/packet.h"
+
+// Wherever a fault is interpreted, a case that is missing is an error.
+#pragma GCC diagnostic error "-Wswitch"
 
 namespace limb_ring::fault {
 
@@ -58,17 +62,38 @@ enum Key : unsigned {
   kSeed = 1u << 9
 };
 
-/// What there is to know of a fault: its word, what it hits, which parameters it takes.
+/// What a fault does to a CPU, whether that is a process or a model of one. Whoever does it has a case for each and no
+/// `default:`, which would hide that one is missing.
+enum class ToCpu : std::uint8_t {
+  nothing,      ///< a fault of a line or node
+  stop,         ///< it neither reads nor sends
+  read_slowly,  ///< it takes one packet in each period `every`; 0: none
+  babble,       ///< it sends all it can, or one packet in each period
+  cure,         ///< what it has of those above ends
+  restart,
+  crash
+};
+
+/// What there is to know of a fault: its word, what it hits, which parameters it takes, and how it ends.
 struct Word {
   Name name;
   const char* word;
   Of of;
   unsigned keys;  ///< the parameters it takes, a set of Key
   const char* meaning;
+  unsigned needs = 0;  ///< any of these keys has to be given; 0: none
+  ToCpu to_cpu = ToCpu::nothing;
+  /// Of a node or CPU: it lasts until one of these, a set of bit_of(), or its own time `for`; 0: it is over at once.
+  std::uint32_t ended_by = 0;
+  bool silences = false;  ///< the CPU sends nothing of its own while it lasts
 };
 
 constexpr unsigned kWhen = kFor | kAfter | kAfterPackets;       ///< of all lines' faults
 constexpr unsigned kHits = kPackets | kOnceIn | kSeed | kWhen;  ///< of those that hit single packets
+
+constexpr std::uint32_t bit_of(Name name) { return 1u << static_cast<unsigned>(name); }
+constexpr std::uint32_t kPowerOff = bit_of(Name::kill) | bit_of(Name::power_cycle);
+constexpr std::uint32_t kCured = bit_of(Name::resume) | bit_of(Name::reset) | bit_of(Name::crash) | kPowerOff;
 
 /// In the order of Name.
 constexpr Word kWords[] = {
@@ -82,27 +107,41 @@ constexpr Word kWords[] = {
     {Name::reorder, "reorder", Of::line, kHits,
      "packets come behind the next one, and are discarded as late: a link keeps order"},
     {Name::delay, "delay", Of::line, kHits | kDelay | kJitter,
-     "packets come later by `delay`, and at random by up to `jitter`; in order"},
-    {Name::rate, "rate", Of::line, kWhen | kRate, "the line carries no more than that data rate"},
+     "packets come later by `delay`, and at random by up to `jitter`; in order", kDelay | kJitter},
+    {Name::rate, "rate", Of::line, kWhen | kRate, "the line carries no more than that data rate", kRate},
     {Name::stall, "stall", Of::line, kWhen, "nothing passes while it lasts, then all goes on in order"},
-    {Name::flap, "flap", Of::line, kWhen | kEvery, "cut for the first half of each period, then healed"},
+    {Name::flap, "flap", Of::line, kWhen | kEvery, "cut for the first half of each period, then healed", kEvery},
     {Name::kill, "kill", Of::node, 0, "the node is dead; its neighbours bypass it"},
     {Name::start, "start", Of::node, 0, "a dead or absent node comes up"},
     {Name::power_cycle, "power_cycle", Of::node, 0, "its power goes off and at once on again"},
-    {Name::freeze, "freeze", Of::node, kFor, "the node stands still and is bypassed"},
+    {Name::freeze, "freeze", Of::node, kFor, "the node stands still and is bypassed", 0, ToCpu::nothing,
+     bit_of(Name::thaw) | kPowerOff},
     {Name::thaw, "thaw", Of::node, 0, "a frozen node goes on where it stood"},
-    {Name::hang, "hang", Of::cpu, kFor, "the CPU neither reads nor sends"},
-    {Name::resume, "resume", Of::cpu, 0, "ends hang, slow, babble and not_reading of a CPU"},
-    {Name::reset, "reset", Of::cpu, 0, "the CPU restarts, as by its reset pin"},
-    {Name::crash, "crash", Of::cpu, 0, "the CPU dies by itself; whoever keeps it starts it again"},
-    {Name::slow, "slow", Of::cpu, kFor | kEvery, "the CPU takes one packet in each period"},
-    {Name::not_reading, "not_reading", Of::cpu, kFor, "the CPU sends, but takes no packet"},
+    {Name::hang, "hang", Of::cpu, kFor, "the CPU neither reads nor sends", 0, ToCpu::stop, kCured, true},
+    {Name::resume, "resume", Of::cpu, 0, "ends hang, slow, babble and not_reading of a CPU", 0, ToCpu::cure},
+    {Name::reset, "reset", Of::cpu, 0, "the CPU restarts, as by its reset pin", 0, ToCpu::restart},
+    {Name::crash, "crash", Of::cpu, 0, "the CPU dies by itself; whoever keeps it starts it again", 0, ToCpu::crash},
+    {Name::slow, "slow", Of::cpu, kFor | kEvery, "the CPU takes one packet in each period", kEvery, ToCpu::read_slowly,
+     kCured},
+    {Name::not_reading, "not_reading", Of::cpu, kFor, "the CPU sends, but takes no packet", 0, ToCpu::read_slowly,
+     kCured},
     {Name::babble, "babble", Of::cpu, kFor | kEvery,
      "the CPU sends the largest packets to all at the highest priority, one in each period; without `every` all it "
-     "can"},
+     "can",
+     0, ToCpu::babble, kCured},
 };
 
 inline const Word& word_of(Name name) { return kWords[static_cast<std::size_t>(name)]; }
+
+/// What a node is, by faults of it.
+enum class Node : std::uint8_t { runs, frozen, dead };
+/// What a fault of nodes makes of one; nothing where it cannot be done there: in a scenario it then changes nothing,
+/// and else it is refused. A power cycle in a scenario is a kill of all its nodes, then a start.
+std::optional<Node> after(Name fault, Node node);
+/// It hits the process of a CPU, so there has to be one.
+inline bool hits_process(Name fault) {
+  return word_of(fault).to_cpu == ToCpu::stop || word_of(fault).to_cpu == ToCpu::crash;
+}
 
 /// All words, in the order of Name.
 std::vector<std::string> words();

@@ -192,13 +192,9 @@ std::vector<KeyWord> keys_of(const Word& word) {
 }
 
 std::vector<KeyWord> needed_keys_of(const Word& word) {
-  unsigned keys = 0;
-  if (word.name == Name::rate) keys = kRate;
-  if (word.name == Name::delay) keys = kDelay | kJitter;
-  if (word.name == Name::flap || word.name == Name::slow) keys = kEvery;
   std::vector<KeyWord> needed;
   for (const Row& row : kRows)
-    if ((keys & row.key.key) != 0) needed.push_back(row.key);
+    if ((word.needs & row.key.key) != 0) needed.push_back(row.key);
   return needed;
 }
 

@@ -13,7 +13,7 @@ namespace limb_ring::runtime {
 
 using fault::Fault;
 using fault::LineFaults;
-using fault::Name;
+using fault::ToCpu;
 using nlohmann::json;
 
 namespace {
@@ -23,6 +23,8 @@ namespace {
 constexpr std::chrono::milliseconds kLinePatience{2000};
 
 double seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+ToCpu to_cpu(const Fault& fault) { return fault::word_of(fault.name).to_cpu; }
 
 void nobody(const std::string&) {}
 
@@ -57,41 +59,17 @@ void Faults::begin_line(const Fault& fault, const Begun& begun) {
   begun(id, "");
 }
 
+// Its duration counts from now, although a process stops a little later.
 void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
-  const auto over = [begun](const std::string& problem) { begun(0, problem); };
-  switch (fault.name) {
-    case Name::resume:
-      forget_cpu_faults();
-      return mend_cpu(over);
-    case Name::reset:
-      return cpu_.reset(over);
-    case Name::crash:
-      return cpu_.crash(over);
-    case Name::hang:
-      return begin_hang(fault, begun);
-    case Name::slow:
-      cpu_.slow(fault.every);
-      break;
-    case Name::not_reading:
-      cpu_.not_reading();
-      break;
-    default:
-      cpu_.babble(fault.every);
-      break;
-  }
+  const fault::Word& word = fault::word_of(fault.name);
+  if (word.to_cpu == ToCpu::cure) forget_cpu_faults();
+  if (word.ended_by == 0) return cpu_.begin(fault, [begun](const std::string& problem) { begun(0, problem); });
   const Id id = add(fault);
   end_later(id);
-  begun(id, "");
-}
-
-// Its duration counts from now, although the process stops a little later.
-void Faults::begin_hang(const Fault& fault, const Begun& begun) {
-  const Id id = add(fault);
-  end_later(id);
-  cpu_.hang([this, id, begun](const std::string& problem) {
-    const bool hangs = problem.empty();
-    if (!hangs && active_.erase(id) != 0 && id == last_id_) --last_id_;
-    begun(hangs ? id : 0, problem);
+  cpu_.begin(fault, [this, id, begun](const std::string& problem) {
+    const bool holds = problem.empty();
+    if (!holds && active_.erase(id) != 0 && id == last_id_) --last_id_;
+    begun(holds ? id : 0, problem);
   });
 }
 
@@ -110,10 +88,10 @@ bool Faults::remove(Id id, const Done& done) {
   if (found == active_.end()) return false;
   LineBreaker* on = found->second.on;
   const LineFaults::Id line = found->second.line;
-  const Name name = found->second.fault.name;
+  const ToCpu what = to_cpu(found->second.fault);
   active_.erase(found);
   if (on == nullptr) {
-    mend(name, done);
+    mend(what, done);
   } else {
     on->remove(line, driver_.now());
     wait_for(*on, done);
@@ -127,7 +105,7 @@ void Faults::clear(const Done& done) {
   LineBreaker* second = driver_.has_second_line() ? &driver_.breaker(core::Line::second) : nullptr;
   first.clear(driver_.now());
   if (second != nullptr) second->clear(driver_.now());
-  mend_cpu([this, &first, second, done](const std::string& problem) {
+  cpu_.end(ToCpu::cure, [this, &first, second, done](const std::string& problem) {
     if (!problem.empty()) return done(problem);
     if (second == nullptr) return wait_for(first, done);
     wait_for(first, [this, second, done](const std::string&) { wait_for(*second, done); });
@@ -135,31 +113,21 @@ void Faults::clear(const Done& done) {
 }
 
 // Mends nothing while another fault of the same kind is still active.
-void Faults::mend(Name name, const Done& done) {
-  const auto holds = [name](const auto& entry) {
-    const Name other = entry.second.fault.name;
-    const auto reads = [](Name n) { return n == Name::slow || n == Name::not_reading; };
-    return other == name || (reads(other) && reads(name));
-  };
+void Faults::mend(ToCpu what, const Done& done) {
+  const auto holds = [what](const auto& entry) { return to_cpu(entry.second.fault) == what; };
   if (std::any_of(active_.begin(), active_.end(), holds)) return done("");
-  if (name == Name::hang) return cpu_.wake(done);
-  if (name == Name::babble)
-    cpu_.be_quiet();
-  else
-    cpu_.read_on();
-  done("");
-}
-
-void Faults::mend_cpu(const Done& done) {
-  cpu_.be_quiet();
-  cpu_.read_on();
-  cpu_.wake(done);
+  cpu_.end(what, done);
 }
 
 void Faults::stop() {
-  const auto hangs = [](const auto& entry) { return entry.second.fault.name == Name::hang; };
-  if (std::any_of(active_.begin(), active_.end(), hangs)) cpu_.wake(nobody);
+  const auto hangs = [](const auto& entry) { return to_cpu(entry.second.fault) == ToCpu::stop; };
+  if (std::any_of(active_.begin(), active_.end(), hangs)) cpu_.end(ToCpu::stop, nobody);
   active_.clear();
+}
+
+bool Faults::silence_cpu() const {
+  const auto silences = [](const auto& entry) { return fault::word_of(entry.second.fault.name).silences; };
+  return std::any_of(active_.begin(), active_.end(), silences);
 }
 
 void Faults::forget_cpu_faults() {
@@ -169,8 +137,7 @@ void Faults::forget_cpu_faults() {
 
 void Faults::cpu_booted() {
   forget_cpu_faults();
-  cpu_.be_quiet();
-  cpu_.read_on();
+  cpu_.free_socket();
 }
 
 LineBreaker& Faults::breaker_of(const Fault& fault) {
@@ -188,7 +155,7 @@ void Faults::drop_ended(core::Time now) {
   for (auto it = active_.begin(); it != active_.end();) {
     const Active& active = it->second;
     const bool ended = active.on != nullptr ? there.count({active.on, active.line}) == 0
-                                            : active.fault.name == Name::hang && !cpu_.hangs();
+                                            : to_cpu(active.fault) == ToCpu::stop && !cpu_.hangs();
     it = ended ? active_.erase(it) : std::next(it);
   }
 }
@@ -220,7 +187,7 @@ json Faults::list() {
              {"fault", fault::to_words(fault, nodes_)},
              {"age_s", seconds(age)},
              {"waits", of_line && of_line->waits},
-             {"hits", of_line ? of_line->hits : cpu_hits(fault.name)}};
+             {"hits", of_line ? of_line->hits : cpu_.hits(to_cpu(fault))}};
     if (fault.packets != 0) row["packets_left"] = fault.packets - of_line->hits;
     if (fault.lasts.count() != 0 && fault.after_packets == 0)
       row["seconds_left"] = std::max(0.0, seconds(fault.after + fault.lasts - age));
@@ -228,8 +195,6 @@ json Faults::list() {
   }
   return all;
 }
-
-std::uint64_t Faults::cpu_hits(Name fault) const { return fault == Name::babble ? cpu_.babbled() : 1; }
 
 namespace {
 
@@ -239,6 +204,56 @@ constexpr std::chrono::milliseconds kPatience{10'000};
 constexpr std::chrono::milliseconds kUntilStarted{5'000};
 
 }  // namespace
+
+void CpuFaults::begin(const Fault& fault, const Done& done) {
+  switch (to_cpu(fault)) {
+    case ToCpu::stop:
+      return hang(done);
+    case ToCpu::restart:
+      return reset(done);
+    case ToCpu::crash:
+      return crash(done);
+    case ToCpu::cure:
+      return end(ToCpu::cure, done);
+    case ToCpu::read_slowly:
+      fault.every.count() == 0 ? cpu_.read_throttle().not_at_all() : cpu_.read_throttle().one_per(fault.every);
+      break;
+    case ToCpu::babble:
+      babbling_.start(fault.every);
+      break;
+    case ToCpu::nothing:
+      break;
+  }
+  done("");
+}
+
+void CpuFaults::end(ToCpu what, const Done& done) {
+  switch (what) {
+    case ToCpu::cure:
+      free_socket();
+      return wake(done);
+    case ToCpu::stop:
+      return wake(done);
+    case ToCpu::read_slowly:
+      read_on();
+      break;
+    case ToCpu::babble:
+      babbling_.stop();
+      break;
+    case ToCpu::restart:
+    case ToCpu::crash:
+    case ToCpu::nothing:
+      break;
+  }
+  done("");
+}
+
+void CpuFaults::free_socket() {
+  babbling_.stop();
+  read_on();
+}
+
+std::uint64_t CpuFaults::hits(ToCpu what) const { return what == ToCpu::babble ? babbling_.sent() : 1; }
 
 void CpuFaults::wait(std::function<bool()> condition, const std::string& otherwise, const Done& done) {
   wait_until(io_, alive_, std::move(condition), kPatience, [otherwise, done](bool met) { done(met ? "" : otherwise); });

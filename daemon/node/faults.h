@@ -54,27 +54,28 @@ class CpuFaults {
   CpuFaults(boost::asio::io_context& io, NodeDriver& driver, CpuSocket& cpu, std::chrono::milliseconds cpu_boot)
       : io_(io), driver_(driver), cpu_(cpu), cpu_boot_(cpu_boot), babbling_(driver) {}
 
+  /// Breaks, restarts or cures it. A reset is done when it has booted again, or could not.
+  void begin(const fault::Fault& fault, const Done& done);
+  /// Ends what that did.
+  void end(fault::ToCpu what, const Done& done);
+  /// All that is done at its socket ends; a stopped process stays so.
+  void free_socket();
+  /// Packets, or times.
+  std::uint64_t hits(fault::ToCpu what) const;
+
+  /// Its process is stopped, by us or by others. True as soon as we have sent SIGSTOP.
+  bool hangs() const;
+  void on_ended(const core::SendEnded& ended) { babbling_.on_ended(ended); }
+
+ private:
   /// Stops its process.
   void hang(const Done& done);
   /// Ends its process by SIGSEGV, as a wild pointer would.
   void crash(const Done& done);
-  /// Done when it has booted again, or could not.
   void reset(const Done& done);
-  void slow(core::Duration per_packet) { cpu_.read_throttle().one_per(per_packet); }
-  void not_reading() { cpu_.read_throttle().not_at_all(); }
-  void babble(std::chrono::nanoseconds period) { babbling_.start(period); }
-
+  void read_on();
   /// Its process goes on.
   void wake(const Done& done);
-  void read_on();
-  void be_quiet() { babbling_.stop(); }
-
-  /// Its process is stopped, by us or by others. True as soon as we have sent SIGSTOP.
-  bool hangs() const;
-  std::uint64_t babbled() const { return babbling_.sent(); }
-  void on_ended(const core::SendEnded& ended) { babbling_.on_ended(ended); }
-
- private:
   void wait(std::function<bool()> condition, const std::string& otherwise, const Done& done);
 
   boost::asio::io_context& io_;
@@ -109,6 +110,8 @@ class Faults {
   bool remove(Id id, const Done& done);
   void clear(const Done& done);
   bool full() const { return active_.size() >= kMost; }
+  /// A fault keeps the CPU from sending anything of its own.
+  bool silence_cpu() const;
 
   /// As docs/reference/requests.md describes it, in the order in which they began.
   nlohmann::json list();
@@ -132,10 +135,8 @@ class Faults {
   Id add(const fault::Fault& fault);
   void begin_line(const fault::Fault& fault, const Begun& begun);
   void begin_cpu(const fault::Fault& fault, const Begun& begun);
-  void begin_hang(const fault::Fault& fault, const Begun& begun);
   void end_later(Id id);
-  void mend(fault::Name name, const Done& done);
-  void mend_cpu(const Done& done);
+  void mend(fault::ToCpu what, const Done& done);
   void forget_cpu_faults();
   LineBreaker& breaker_of(const fault::Fault& fault);
   void wait_for(const LineBreaker& line, const Done& done);
@@ -143,7 +144,6 @@ class Faults {
   /// What the lines say of their faults that have not ended by then, by line and id there.
   using OfLines = std::map<std::pair<const LineBreaker*, fault::LineFaults::Id>, fault::LineFaults::Listed>;
   OfLines of_lines(core::Time now) const;
-  std::uint64_t cpu_hits(fault::Name fault) const;
 
   boost::asio::io_context& io_;
   fault::RingNodes nodes_;

@@ -57,6 +57,7 @@ class Node {
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(std::function<void()> done);
   Faults& faults() { return faults_; }
+  const Faults& faults() const { return faults_; }
 
   /// @name Faults of a node that shares its process with others
   ///@{

@@ -151,7 +151,7 @@ bool ProgramStage::cpu_sends(NodeId id) const {
   if (node == nullptr || !alive(place_of(id))) return false;
   const runtime::CpuStatus cpu = node->cpu_status();
   const bool there = cpu.state == CpuState::running || cpu.state == CpuState::silent;
-  return there && !host_->host.lockstep().is_stuck(id);
+  return there && !host_->host.lockstep().is_stuck(id) && !node->faults().silence_cpu();
 }
 
 // ---- actions --------------------------------------------------------------------------------
@@ -167,9 +167,9 @@ std::optional<scenario::Stage::Failure> ProgramStage::apply(const Fault& fault) 
       for (const NodeId id : own.nodes) begin_at_cpu(own, id);
       return;
     }
+    if (fault.name == Name::power_cycle) return power_cycle(own);
     remove_those_so_already(own);
-    if (fault.name != Name::power_cycle) return begin(own);
-    power_cycle(own);
+    begin(own);
   };
   host_->host.at(ring().now(), act);
   ring().run_until(ring().now());
@@ -192,16 +192,12 @@ void ProgramStage::begin_at_cpu(const Fault& fault, NodeId id) {
   Fault one = fault;
   one.nodes = {id};
   if (nodes.is_frozen(id)) return cpus_[id].when_thawed.push_back(one);
-  const bool of_process = fault.name == Name::hang || fault.name == Name::crash;
-  if (!of_process || host_->host.node(id)->cpu_status().pid > 0) begin(one);
+  if (!fault::hits_process(fault.name) || host_->host.node(id)->cpu_status().pid > 0) begin(one);
 }
 
 void ProgramStage::remove_those_so_already(Fault& fault) const {
   const virtual_host::NodeFaults& nodes = host_->host.node_faults();
-  const auto so_already = [&](NodeId id) {
-    if (fault.name == Name::start) return !nodes.is_dead(id);
-    return nodes.is_dead(id) && fault.name != Name::power_cycle;
-  };
+  const auto so_already = [&](NodeId id) { return !fault::after(fault.name, nodes.state(id)); };
   fault.nodes.erase(std::remove_if(fault.nodes.begin(), fault.nodes.end(), so_already), fault.nodes.end());
 }
 

@@ -120,11 +120,17 @@ const std::string& NodeFaults::name_of(NodeId node) const {
 }
 
 std::string NodeFaults::why_not(Name what, NodeId node) const {
-  const std::string name = "node " + name_of(node);
   const State now = state(node);
-  if (what == Name::start) return now == State::dead ? "" : name + " runs already";
-  if (now == State::dead) return name + " is dead; start it first";
-  if (what == Name::power_cycle && now == State::frozen) return name + " is frozen; thaw it first";
+  if (fault::after(what, now)) return "";
+  const std::string name = "node " + name_of(node);
+  switch (now) {
+    case State::runs:
+      return name + " runs already";
+    case State::dead:
+      return name + " is dead; start it first";
+    case State::frozen:
+      return name + (what == Name::start ? " runs already" : " is frozen; thaw it first");
+  }
   return "";
 }
 

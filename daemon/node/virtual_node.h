@@ -132,17 +132,17 @@ class NodeFaults {
   /// @return why not; empty: it is done
   std::string begin(const fault::Fault& fault);
 
+  using State = fault::Node;
+  State state(wire::NodeId node) const;
   bool is_dead(wire::NodeId node) const { return state(node) == State::dead; }
   bool is_frozen(wire::NodeId node) const { return state(node) == State::frozen; }
 
  private:
-  enum class State { runs, frozen, dead };
   struct Node {
     State state = State::runs;
     unsigned freezes = 0;
   };
 
-  State state(wire::NodeId node) const;
   std::string why_not(fault::Name what, wire::NodeId node) const;
   std::string carry_out(const fault::Fault& fault);
   std::string power_cycle(const fault::Fault& fault);

@@ -6,6 +6,9 @@
 #include "wire/packet.h"
 
 namespace limb_ring::scenario {
+
+using fault::ToCpu;
+
 namespace {
 
 /// From its death to the next start, as the daemon's default. (ours)
@@ -33,6 +36,47 @@ void Cpus::read(NodeId id, bool reads) {
   ++cpus_[id].reading;
 }
 
+void Cpus::begin(const fault::Fault& fault, NodeId id) {
+  const fault::Word& word = fault::word_of(fault.name);
+  if (word.silences && !has_crashed(id)) cpus_[id].silenced_by |= bit_of(fault.name);
+  switch (word.to_cpu) {
+    case ToCpu::stop:
+      return hang(id);
+    case ToCpu::read_slowly:
+      return read_slowly(id, fault.every);
+    case ToCpu::cure:
+      return resume(id);
+    case ToCpu::restart:
+      return reset(id);
+    case ToCpu::crash:
+      return crash(id);
+    case ToCpu::babble:
+      ++cpus_[id].generation;  // it takes the place of one before
+      return;
+    case ToCpu::nothing:
+      return;
+  }
+}
+
+void Cpus::end(fault::Name fault, NodeId id) {
+  cpus_[id].silenced_by &= ~bit_of(fault);
+  switch (fault::word_of(fault).to_cpu) {
+    case ToCpu::stop:
+      return cpus_[id].booted ? go_on(id) : resume(id);
+    case ToCpu::read_slowly:
+      cpus_[id].slowed_to.reset();
+      return is_hung(id) ? void() : read(id, true);
+    case ToCpu::babble:
+      ++cpus_[id].generation;
+      return;
+    case ToCpu::cure:
+    case ToCpu::restart:
+    case ToCpu::crash:
+    case ToCpu::nothing:
+      return;  // they do not last
+  }
+}
+
 void Cpus::hang(NodeId id) {
   if (has_crashed(id)) return;
   cpus_[id].running = cpus_[id].boots_later = false;
@@ -52,17 +96,24 @@ void Cpus::resume(NodeId id) {
 }
 
 void Cpus::run(NodeId id) {
+  ++cpus_[id].generation;
+  cpus_[id].silenced_by = 0;
+  cpus_[id].slowed_to.reset();
+  go_on(id);
+}
+
+void Cpus::go_on(NodeId id) {
   cpus_[id].running = true;
   ++cpus_[id].epoch;
-  ++cpus_[id].generation;
-  read(id, true);
+  cpus_[id].slowed_to ? read_slowly(id, *cpus_[id].slowed_to) : read(id, true);
   tell(id, wire::CpuState::running);
 }
 
-void Cpus::stop_reading(NodeId id) { read(id, false); }
-
-void Cpus::slow_down(NodeId id, core::Duration period) {
+void Cpus::read_slowly(NodeId id, core::Duration period) {
+  cpus_[id].slowed_to = period;
+  if (is_hung(id)) return;
   read(id, false);
+  if (period.count() == 0) return;
   cpus_[id].slow = true;
   read_one_and_wait(id, period);
 }
@@ -77,11 +128,12 @@ void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
 }
 
 // Its process is gone. It is started again later, unless something else happens to it first.
-void Cpus::end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId)) {
+void Cpus::lose_process(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId)) {
   Cpu& cpu = cpus_[id];
   ++cpu.generation;
   cpu.running = cpu.booted = false;
   cpu.boots_later = true;
+  cpu.slowed_to.reset();
   read(id, true);
   ring_.reset_cpu(id);
   ring_.set_cpu_present(id, false);
@@ -91,10 +143,10 @@ void Cpus::end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus
   });
 }
 
-void Cpus::reset(NodeId id) { end(id, wire::CpuState::booting, boot_time_, &Cpus::boot); }
+void Cpus::reset(NodeId id) { lose_process(id, wire::CpuState::booting, boot_time_, &Cpus::boot); }
 
 void Cpus::crash(NodeId id) {
-  if (!has_crashed(id)) end(id, wire::CpuState::failed, kBackOff, &Cpus::reset);
+  if (!has_crashed(id)) lose_process(id, wire::CpuState::failed, kBackOff, &Cpus::reset);
 }
 
 // As in the daemon, a boot counts from the CPU's first message.

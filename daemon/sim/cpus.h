@@ -30,14 +30,12 @@ class Cpus {
   Cpus& operator=(const Cpus&) = delete;
 
   /// Whether it runs, so that it asks its network controller to send what the scenario says.
-  bool sends(NodeId id) const { return ring_.alive(id) && cpus_[id].running; }
+  bool sends(NodeId id) const { return ring_.alive(id) && cpus_[id].running && cpus_[id].silenced_by == 0; }
 
-  void hang(NodeId id);
-  /// Cures it: it no longer hangs, is slow or babbles, and it reads again.
-  void resume(NodeId id);
-  void stop_reading(NodeId id);
-  /// It takes one packet in each `period` from now on.
-  void slow_down(NodeId id, core::Duration period);
+  /// Breaks, restarts or cures it. Who babbles is a sender: that ends with generation().
+  void begin(const fault::Fault& fault, NodeId id);
+  /// One of its faults is over; the others last.
+  void end(fault::Name fault, NodeId id);
   /// A CPU has taken a packet.
   void took_packet(NodeId id) {
     if (cpus_[id].slow) ring_.set_cpu_reads(id, false);
@@ -46,15 +44,20 @@ class Cpus {
   std::uint64_t generation(NodeId id) const { return cpus_[id].generation; }
   /// As its reset pin does: everything for and from it is thrown away, and it boots.
   void reset(NodeId id);
-  /// It has crashed, and all packets for and from it are gone. It is started again after the daemon's first back-off.
-  void crash(NodeId id);
   /// Its node has come up, and the CPU boots for the first time.
   void started(NodeId id);
   /// As its own network controller sees it.
   watchdog::CpuSighting sighting_of(NodeId id) const;
 
  private:
-  void end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId));
+  void hang(NodeId id);
+  /// Cures it: it no longer hangs, is slow or babbles, and it reads again.
+  void resume(NodeId id);
+  /// It takes one packet in each `period` from now on; 0: none.
+  void read_slowly(NodeId id, core::Duration period);
+  /// It has crashed, and all packets for and from it are gone. It is started again after the daemon's first back-off.
+  void crash(NodeId id);
+  void lose_process(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId));
   struct Cpu {
     std::uint32_t boots = 1;
     wire::CpuState state = wire::CpuState::running;
@@ -63,15 +66,21 @@ class Cpus {
     bool booted = true;
     bool boots_later = false;  ///< it has not booted, and nothing keeps it from that
     bool slow = false;
-    std::uint64_t epoch = 0;       ///< counts boots: the end of an earlier one does not count
-    std::uint64_t generation = 0;  ///< a new one with each start and each cure
-    std::uint64_t reading = 0;     ///< counts changes of how it reads: steps of an earlier slowness do not count
+    std::optional<core::Duration> slowed_to;  ///< one packet in that time, 0: none; also while it hangs
+    std::uint32_t silenced_by = 0;            ///< faults that keep it from sending, a set of fault::bit_of()
+    std::uint64_t epoch = 0;                  ///< counts boots: the end of an earlier one does not count
+    std::uint64_t generation = 0;             ///< a new one with each start and each cure
+    std::uint64_t reading = 0;  ///< counts changes of how it reads: steps of an earlier slowness do not count
   };
   /// It has no process until its back-off is over.
   bool has_crashed(NodeId id) const { return cpus_[id].state == wire::CpuState::failed; }
   void tell(NodeId id, wire::CpuState state);
   void boot(NodeId id);
+  /// It has none of its old faults.
   void run(NodeId id);
+  /// It hangs no longer.
+  void go_on(NodeId id);
+  bool is_hung(NodeId id) const { return !cpus_[id].running && !cpus_[id].boots_later; }
   void read(NodeId id, bool reads);
   void read_one_and_wait(NodeId id, core::Duration period);
 
@@ -181,8 +190,9 @@ class LastingFaults {
  public:
   /// To be told of every fault of a node or its CPU.
   void begins(fault::Name name, wire::NodeId node) {
-    for (const Name lasting : {Name::freeze, Name::hang, Name::slow, Name::not_reading, Name::babble})
-      if (ends(name, lasting)) ++numbers_[{lasting, node}];
+    for (const fault::Word& lasting : fault::kWords)
+      if (lasting.ended_by != 0 && (name == lasting.name || (lasting.ended_by & bit_of(name)) != 0))
+        ++numbers_[{lasting.name, node}];
   }
 
   /// Of the fault of this name that the node has now; another one once that has ended or was replaced.
@@ -192,15 +202,7 @@ class LastingFaults {
   }
 
  private:
-  using Name = fault::Name;
-
-  static bool ends(Name name, Name lasting) {
-    if (name == lasting || name == Name::kill || name == Name::power_cycle) return true;
-    if (lasting == Name::freeze) return name == Name::thaw;
-    return name == Name::resume || name == Name::reset || name == Name::crash;
-  }
-
-  std::map<std::pair<Name, wire::NodeId>, unsigned> numbers_;
+  std::map<std::pair<fault::Name, wire::NodeId>, unsigned> numbers_;
 };
 
 }  // namespace limb_ring::scenario

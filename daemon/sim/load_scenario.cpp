@@ -10,6 +10,7 @@
 #include "config/ring_config.h"
 #include "sim/planned_ring.h"
 #include "sim/scenario_sections.h"
+#include "sim/soak_stage.h"
 
 namespace limb_ring::scenario {
 
@@ -91,13 +92,9 @@ void check_input(const Entry& entry, const Step& step, const config::RingConfig&
   }
 }
 
-// The CPUs of the soak's world are no programs.
 void check_world(const Entry& entry, const Step& step, World world) {
-  using fault::Name;
   const auto* fault = std::get_if<fault::Fault>(&step.action);
-  const bool of_programs = fault && (fault->name == Name::hang || fault->name == Name::crash ||
-                                     fault->name == Name::slow || fault->name == Name::babble);
-  if (world == World::soak && of_programs)
+  if (world == World::soak && fault && !SoakStage::can(*fault))
     entry.find("do")->refuse("CPUs of the soak's world are no programs", "reset, not_reading and resume of them");
   if (world != World::soak && std::holds_alternative<SoakAction>(step.action))
     entry.find("do")->refuse("only the soak's world has that", "world: soak");

@@ -8,7 +8,7 @@
 namespace limb_ring::scenario {
 
 using core::Line;
-using fault::Name;
+using fault::ToCpu;
 using namespace std::chrono_literals;
 
 namespace {
@@ -126,18 +126,17 @@ void SoakStage::apply(const SoakAction& action) {
   }
 }
 
+bool SoakStage::can(const Fault& fault) {
+  const fault::Word& word = fault::word_of(fault.name);
+  const bool reads_nothing = word.to_cpu == ToCpu::read_slowly && (word.keys & fault::kEvery) == 0;
+  return word.of != fault::Of::cpu || reads_nothing || word.to_cpu == ToCpu::cure || word.to_cpu == ToCpu::restart;
+}
+
+// @pre can(fault)
 void SoakStage::apply_to_cpu(const Fault& fault, NodeId id) {
-  switch (fault.name) {
-    case Name::reset:
-      if (ring_->alive(id)) ring_->reset_cpu(id);
-      return;
-    case Name::not_reading:
-      return ring_->set_cpu_reads(id, false);
-    case Name::resume:
-      return ring_->set_cpu_reads(id, true);
-    default:
-      return;  // refused in a scenario of this world
-  }
+  const ToCpu what = fault::word_of(fault.name).to_cpu;
+  if (what != ToCpu::restart) return ring_->set_cpu_reads(id, what == ToCpu::cure);
+  if (ring_->alive(id)) ring_->reset_cpu(id);
 }
 
 }  // namespace limb_ring::scenario

@@ -18,6 +18,9 @@ class SoakStage final : public ModelStage {
   /// @param scenario outlives this
   SoakStage(const Scenario& scenario, std::uint64_t seed);
 
+  /// Its CPUs are no programs, so that few of their faults mean anything.
+  static bool can(const Fault& fault);
+
   std::optional<Failure> begin() override { return std::nullopt; }
   bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) override;
   /// The ring's promises.
@@ -41,6 +44,7 @@ class SoakStage final : public ModelStage {
   /// The strike that hits the slice which passes there now.
   std::optional<SoakAction> strike_at(NodeId id, core::Line line);
   void apply_to_cpu(const Fault& fault, NodeId id) override;
+  void end_at_cpu(Name, NodeId id) override { ring_->set_cpu_reads(id, true); }
   void mend_all();
 
   std::unique_ptr<sim::VirtualRing> ring_;

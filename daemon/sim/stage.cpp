@@ -64,8 +64,6 @@ std::string RingStage::with_names(const std::string& what) const {
   return text + what.substr(done);
 }
 
-using fault::Name;
-
 bool ModelStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
   const core::Time end = at(until);
   if (ring().run_until(done, end - ring().now())) return true;
@@ -74,69 +72,53 @@ bool ModelStage::run_until(const std::function<bool()>& done, core::Duration unt
 }
 
 std::optional<Stage::Failure> ModelStage::apply(const Fault& fault) {
-  do_it(fault);
+  const fault::Of of = fault::word_of(fault.name).of;
+  if (of == fault::Of::line) return lines_.begin(fault), std::nullopt;
+  // All are off before the first is on again.
+  const bool power_cycle = fault.name == Name::power_cycle;
+  if (power_cycle)
+    for (const NodeId id : fault.nodes) apply_to_node(Name::kill, id);
+  for (const NodeId id : fault.nodes) {
+    lasting_.begins(fault.name, id);
+    of == fault::Of::cpu ? apply_to_cpu(fault, id) : apply_to_node(power_cycle ? Name::start : fault.name, id);
+    if (fault.lasts.count() != 0) end_later(fault, id);
+  }
   return std::nullopt;
 }
 
-void ModelStage::do_it(const Fault& fault) {
-  if (fault::word_of(fault.name).of == fault::Of::line) return lines_.begin(fault);
-  // All are off before the first is on again.
-  if (fault.name == Name::power_cycle)
-    for (const NodeId id : fault.nodes) ring().kill(id);
-  for (const NodeId id : fault.nodes) {
-    lasting_.begins(fault.name, id);
-    apply_to_node(fault, id);
-    if (fault.lasts.count() != 0) end_later(fault, id);
-  }
-}
-
 void ModelStage::end_later(const Fault& fault, NodeId id) {
-  Fault end;
-  end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
-  end.nodes = {id};
-  const unsigned number = lasting_.number(fault.name, id);
-  ring().at(ring().now() + core::Duration(fault.lasts), [this, end, lasts = fault.name, number] {
-    if (lasting_.number(lasts, end.nodes.front()) == number) do_it(end);
+  const Name name = fault.name;
+  ring().at(ring().now() + core::Duration(fault.lasts), [this, name, id, number = lasting_.number(name, id)] {
+    if (lasting_.number(name, id) != number) return;
+    fault::word_of(name).of == fault::Of::cpu ? end_at_cpu(name, id) : apply_to_node(Name::thaw, id);
   });
 }
 
-void ModelStage::apply_to_node(const Fault& fault, NodeId id) {
-  switch (fault.name) {
-    case Name::kill:
-      frozen_[id] = false;
+fault::Node ModelStage::node(NodeId id) {
+  if (ring().alive(id)) return fault::Node::runs;
+  return frozen_[id] ? fault::Node::frozen : fault::Node::dead;
+}
+
+void ModelStage::apply_to_node(Name fault, NodeId id) {
+  const fault::Node before = node(id);
+  const auto now = fault::after(fault, before);
+  if (!now || *now == before) return;
+  frozen_[id] = *now == fault::Node::frozen;
+  switch (*now) {
+    case fault::Node::dead:
       return ring().kill(id);
-    case Name::start:
-    case Name::power_cycle:
-      return start(id);
-    case Name::freeze:
-      return freeze(id);
-    case Name::thaw:
-      return thaw(id);
-    default:
-      return apply_to_cpu(fault, id);
+    case fault::Node::frozen:
+      return ring().freeze(id);
+    case fault::Node::runs:
+      if (before == fault::Node::frozen) return ring().thaw(id);
+      ring().start(id);
+      started(id);
   }
 }
 
-// A second time it changes nothing.
-void ModelStage::freeze(NodeId id) {
-  if (!ring().alive(id)) return;
-  frozen_[id] = true;
-  ring().freeze(id);
+void ModelStage::bring_back(NodeId id) {
+  apply_to_node(node(id) == fault::Node::frozen ? Name::thaw : Name::start, id);
 }
-
-void ModelStage::start(NodeId id) {
-  if (ring().alive(id)) return;
-  frozen_[id] = false;
-  ring().start(id);
-  started(id);
-}
-
-void ModelStage::thaw(NodeId id) {
-  if (frozen_[id]) ring().thaw(id);
-  frozen_[id] = false;
-}
-
-void ModelStage::bring_back(NodeId id) { frozen_[id] ? thaw(id) : start(id); }
 
 using config::PinConfig;
 
@@ -178,26 +160,10 @@ void VirtualStage::came(const core::Event& event, NodeId at) {
 }
 
 void VirtualStage::apply_to_cpu(const Fault& fault, NodeId id) {
-  switch (fault.name) {
-    case Name::hang:
-      return cpus_.hang(id);
-    case Name::resume:
-      return cpus_.resume(id);
-    case Name::reset:
-      return cpus_.reset(id);
-    case Name::crash:
-      return cpus_.crash(id);
-    case Name::slow:
-      return cpus_.slow_down(id, fault.every);
-    case Name::not_reading:
-      return cpus_.stop_reading(id);
-    case Name::babble:
-      return senders().babble(id, fault.every, [this, id, generation = cpus_.generation(id)] {
-        return cpus_.generation(id) != generation;
-      });
-    default:
-      return;  // of a line or a node
-  }
+  cpus_.begin(fault, id);
+  if (fault::word_of(fault.name).to_cpu != fault::ToCpu::babble) return;
+  senders().babble(id, fault.every,
+                   [this, id, generation = cpus_.generation(id)] { return cpus_.generation(id) != generation; });
 }
 
 void VirtualStage::started(NodeId id) {

@@ -129,6 +129,8 @@ class RingStage : public Stage {
 /// are the same whatever the models do.
 class ModelStage : public RingStage {
  public:
+  using Name = fault::Name;
+
   bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) override;
   std::optional<Failure> apply(const Fault& fault) override;
 
@@ -144,14 +146,13 @@ class ModelStage : public RingStage {
  private:
   /// A fault of the node's CPU.
   virtual void apply_to_cpu(const Fault& fault, NodeId id) = 0;
+  /// Its time is over, and nothing has ended it before.
+  virtual void end_at_cpu(Name fault, NodeId id) = 0;
   /// The node has a new process.
   virtual void started(NodeId) {}
-  void do_it(const Fault& fault);
-  void apply_to_node(const Fault& fault, NodeId id);
+  fault::Node node(NodeId id);
+  void apply_to_node(Name fault, NodeId id);
   void end_later(const Fault& fault, NodeId id);
-  void freeze(NodeId id);
-  void start(NodeId id);
-  void thaw(NodeId id);
 
   sim::VirtualLineFaults lines_;
   std::vector<bool> frozen_;
@@ -172,6 +173,7 @@ class VirtualStage final : public ModelStage {
   VirtualStage(const Scenario& scenario, std::uint64_t seed, std::unique_ptr<sim::WatchedRing> ring);
   bool cpu_sends(NodeId id) const override { return cpus_.sends(id); }
   void apply_to_cpu(const Fault& fault, NodeId id) override;
+  void end_at_cpu(Name fault, NodeId id) override { cpus_.end(fault, id); }
   void started(NodeId id) override;
   void came(const core::Event& event, NodeId at);
 

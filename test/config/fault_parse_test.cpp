@@ -63,6 +63,28 @@ TEST(FaultWords, AreInTheOrderOfTheirNames) {
   EXPECT_EQ(kWords[std::size(kWords) - 1].name, Name::babble);
 }
 
+TEST(FaultWords, EndWhatLastsAndKnowAllThatEndsIt) {
+  for (const Word& word : kWords) {
+    if (word.of == Of::line) continue;
+    EXPECT_EQ((word.keys & kFor) != 0, word.ended_by != 0) << word.word;
+    EXPECT_EQ(word.to_cpu != ToCpu::nothing, word.of == Of::cpu) << word.word;
+    if (word.ended_by != 0) EXPECT_EQ(word.ended_by & kPowerOff, kPowerOff) << word.word;
+  }
+}
+
+TEST(FaultWords, MakeOfANodeWhatCanBeMadeOfIt) {
+  EXPECT_EQ(after(Name::kill, Node::runs), Node::dead);
+  EXPECT_EQ(after(Name::kill, Node::frozen), Node::dead);
+  EXPECT_EQ(after(Name::freeze, Node::runs), Node::frozen);
+  EXPECT_EQ(after(Name::thaw, Node::frozen), Node::runs);
+  EXPECT_EQ(after(Name::start, Node::dead), Node::runs);
+  EXPECT_EQ(after(Name::power_cycle, Node::runs), Node::runs);
+  for (const Name name : {Name::kill, Name::freeze, Name::thaw, Name::power_cycle})
+    EXPECT_EQ(after(name, Node::dead), std::nullopt) << word_of(name).word;
+  for (const Node node : {Node::runs, Node::frozen}) EXPECT_EQ(after(Name::start, node), std::nullopt);
+  EXPECT_EQ(after(Name::power_cycle, Node::frozen), std::nullopt);
+}
+
 TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of("dorp hip -> knee"),
               StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));

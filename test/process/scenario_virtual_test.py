@@ -185,6 +185,17 @@ steps:
                 done = self.ctl('scenario', 'run', way, file)
                 self.assertEqual(done.returncode, 0, way + done.stdout + done.stderr)
 
+    def test_every_fault_of_a_node_or_a_cpu_changes_something_and_ends_with_models_and_with_programs(self):
+        file, = glob.glob(os.path.join(SCENARIOS, '41-*.yaml'))
+        with open(file) as story:
+            played = re.findall(r'do: {(\w+):', story.read())
+        words = re.findall(r'(?m)^  (\w+) +\S', self.ctl('fault', '--help').stdout.split('list  ')[0])
+        of_lines = 'cut heal drop corrupt truncate duplicate reorder delay rate stall flap'.split()
+        self.assertEqual(set(words) - set(of_lines) - set(played), set())
+        for way in ('--sim', '--virtual'):
+            done = self.ctl('scenario', 'run', way, file)
+            self.assertEqual(done.returncode, 0, way + done.stdout + done.stderr)
+
     def test_the_same_trace_on_one_core_on_all_and_beside_busy_processes(self):
         nodes = self.nodes()
         nodes[0].update(cpu={'command': ['limb_firmware'], 'turnaround': '20us', 'jitter': '30us'}, joints=[{'name': 'knee'}])

@@ -130,6 +130,31 @@ TEST(Faults, NotReadingFillsTheBuffers) {
       "");
 }
 
+// A hang that is over leaves the CPU as slow, and as talkative, as it was.
+TEST(Faults, OneThatIsOverEndsNoOther) {
+  EXPECT_EQ(
+      unmet_of(after_joining("{not_reading: node2}", "  - {do: {hang: {nodes: node2, for: 1s}}}\n" + kSend +
+                                                         "  - {after: 2s, when: {taken: x, at_most: 0}, within: 0s}\n"
+                                                         "  - {do: {resume: node2}}\n"
+                                                         "  - {when: {taken: x, at_least: 1}, within: 1us}\n")),
+      "");
+  EXPECT_EQ(
+      unmet_of(after_joining("{babble: node2 every=1ms}",
+                             "  - {do: {hang: {nodes: node2, for: 1s}}}\n"
+                             "  - {after: 2s, when: {counter: sent_data, of: node2, at_least: 900}, within: 0s}\n"
+                             "  - {do: {resume: node2}}\n"
+                             "  - {after: 2s, when: {counter: sent_data, of: node2, at_most: 1200}, within: 0s}\n")),
+      "");
+}
+
+TEST(Faults, ASecondBabbleTakesThePlaceOfTheFirst) {
+  EXPECT_EQ(
+      unmet_of(after_joining("{babble: node2 every=1ms}",
+                             "  - {do: {babble: node2 every=10ms}}\n"
+                             "  - {after: 1s, when: {counter: sent_data, of: node2, at_most: 200}, within: 0s}\n")),
+      "");
+}
+
 TEST(Faults, ACpuThatIsResumedWhileItBootsTakesPacketsOnceItHasBooted) {
   EXPECT_EQ(unmet_of(after_joining("{reset: node2}",
                                    "  - {after: 5ms, do: {resume: node2}}\n"

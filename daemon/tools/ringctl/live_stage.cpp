@@ -166,10 +166,10 @@ LiveStage::Clock::time_point LiveStage::turn() {
 
 void LiveStage::end(const Ending& ending) {
   if (lasting_.number(ending.of, ending.node) != ending.number) return;
-  if (ending.of == fault::Name::freeze)
+  if (fault::word_of(ending.of).of == fault::Of::node)
     nodes_.thaw(ending.node);
   else
-    senders_.set_hung(ending.node, false);
+    senders_.set_silent(ending.node, ending.of, false);
 }
 
 // ---- actions --------------------------------------------------------------------------------
@@ -195,33 +195,36 @@ void LiveStage::do_it(const Fault& fault) {
     else
       apply_at_daemon(fault, id);
   }
-  const bool ours = fault.name == fault::Name::freeze || fault.name == fault::Name::hang;
-  if (!ours || fault.lasts.count() == 0) return;
+  // The daemon ends all else.
+  if ((of != fault::Of::node && !fault::word_of(fault.name).silences) || fault.lasts.count() == 0) return;
   for (const NodeId id : fault.nodes)
     endings_.push_back({Clock::now() + fault.lasts, fault.name, id, lasting_.number(fault.name, id)});
 }
 
 void LiveStage::apply_to_node(fault::Name name, std::size_t place) {
-  switch (name) {
-    case fault::Name::freeze:
+  using fault::Node;
+  if (name == fault::Name::power_cycle) name = fault::Name::start;  // it was killed just now
+  const Node before = nodes_.dead(place) ? Node::dead : nodes_.running(place) ? Node::runs : Node::frozen;
+  const auto now = fault::after(name, before);
+  if (!now) return;
+  switch (*now) {
+    case Node::frozen:
       return nodes_.freeze(place);
-    case fault::Name::thaw:
-      return nodes_.thaw(place);
-    case fault::Name::kill:
+    case Node::dead:
       nodes_.kill(place);
       break;
-    default:
-      nodes_.start(place);  // start, power_cycle
+    case Node::runs:
+      if (before == Node::frozen) return nodes_.thaw(place);
+      nodes_.start(place);
   }
-  senders_.set_hung(place, false);
+  senders_.set_whole(place);
 }
 
 /// As with models of CPUs: nothing happens to a CPU that is not there.
 bool LiveStage::is_not_there(fault::Name name, std::size_t place) {
   if (fault::word_of(name).of != fault::Of::cpu) return false;
   if (nodes_.dead(place)) return true;
-  const bool of_process = name == fault::Name::hang || name == fault::Name::crash;
-  if (!of_process || !nodes_.running(place) || !nodes_.port(place)) return false;
+  if (!fault::hits_process(name) || !nodes_.running(place) || !nodes_.port(place)) return false;
   return nodes_.ask(place, {{"do", "status"}}).at("cpu").at("pid").is_null();
 }
 
@@ -230,22 +233,22 @@ void LiveStage::apply_at_daemon(Fault fault, std::size_t place) {
   if (is_not_there(fault.name, place)) return;
   fault.nodes = {static_cast<NodeId>(place)};
   if ((fault::word_of(fault.name).keys & fault::kSeed) != 0 && fault.seed == 0) fault.seed = random_() % 1000000 + 1;
-  if (fault.name == Name::hang) senders_.set_hung(place, true);
+  if (fault::word_of(fault.name).silences) senders_.set_silent(place, fault.name, true);
   const json request{{"do", "fault"}, {"fault", fault::to_words(fault, nodes_by_place(scenario_.ring))}};
   // Under the virtual clock too the scenario goes on while the CPU boots.
   if (fault.name == Name::reset || !nodes_.running(place) || !nodes_.port(place))
     nodes_.request(place, request);
   else
     nodes_.ask(place, request);
-  if (fault.name == Name::resume || fault.name == Name::reset || fault.name == Name::crash)
-    senders_.set_hung(place, false);
+  for (const fault::Word& word : fault::kWords)
+    if ((word.ended_by & bit_of(fault.name)) != 0) senders_.set_silent(place, word.name, false);
 }
 
 using scenario::Send;
 using scenario::Step;
 
 LiveSenders::LiveSenders(const Scenario& scenario, LiveNodes& nodes, std::uint64_t seed)
-    : scenario_(scenario), nodes_(nodes), random_(seed), hung_(nodes.size(), false) {
+    : scenario_(scenario), nodes_(nodes), random_(seed), silenced_by_(nodes.size(), 0) {
   for (const Step& step : scenario.steps) {
     const auto* send = std::get_if<Send>(&step.action);
     if (send && std::find(names_.begin(), names_.end(), send->name) == names_.end()) names_.push_back(send->name);
@@ -259,6 +262,11 @@ std::uint8_t LiveSenders::mark_of(const std::string& send) const {
 
 std::uint8_t LiveSenders::id_of(std::uint8_t place_or_all) const {
   return place_or_all == wire::kBroadcast ? kBroadcast : scenario_.ring.nodes[place_or_all].id;
+}
+
+void LiveSenders::set_silent(std::size_t place, fault::Name by, bool silent) {
+  if (silent) silenced_by_[place] |= bit_of(by);
+  if (!silent) silenced_by_[place] &= ~bit_of(by);
 }
 
 // ---- what is sent ---------------------------------------------------------------------------
@@ -292,7 +300,7 @@ bool LiveSenders::can_send(const Job& job) {
   if (job.send.input) return true;
   const json* row = nodes_.row(job.from);
   const std::string cpu = row ? row->at("cpu").value("state", "") : "";
-  return !hung_[job.from] && (cpu == "running" || cpu == "silent");  // silent: it was hung a moment ago
+  return silenced_by_[job.from] == 0 && (cpu == "running" || cpu == "silent");  // silent: it was hung a moment ago
 }
 
 void LiveSenders::ask(Job& job) {

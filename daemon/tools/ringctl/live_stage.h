@@ -30,8 +30,10 @@ class LiveSenders {
   void begin(const scenario::Send& send);
   /// Asks for what is due by now. @return when the next is
   Clock::time_point act();
-  /// Whether a CPU is told to hang.
-  void set_hung(std::size_t place, bool hung) { hung_[place] = hung; }
+  /// Whether that fault keeps a CPU from sending.
+  void set_silent(std::size_t place, fault::Name by, bool silent);
+  /// Another CPU is there, or none.
+  void set_whole(std::size_t place) { silenced_by_[place] = 0; }
 
   void came(std::size_t place, const Message& message);
   /// The counts of a named send; `taken` counts only pins here.
@@ -64,7 +66,7 @@ class LiveSenders {
   const scenario::Scenario& scenario_;
   LiveNodes& nodes_;
   std::mt19937_64 random_;
-  std::vector<bool> hung_;
+  std::vector<std::uint32_t> silenced_by_;  ///< sets of fault::bit_of()
   std::vector<std::string> names_;
   std::vector<scenario::Tally> tallies_;
   std::deque<Job> jobs_;                                                        ///< they stay where they are
@@ -115,7 +117,7 @@ class LiveStage final : public scenario::Stage {
   void apply_at_daemon(fault::Fault fault, std::size_t place);
   Clock::time_point turn();
 
-  /// When a freeze or a hang that lasts for a time is over.
+  /// When a fault that we have to end, or know the end of, is over.
   struct Ending {
     Clock::time_point when;
     fault::Name of = fault::Name::freeze;
