@@ -39,7 +39,7 @@ def run(fault, hold=HOLD):
     parts = [fault] if watch_it(fault) else []
     live.loop.run_for(hold)
     mending = fault.repair()
-    mended_ns = time.time_ns()
+    mended_ns = time.monotonic_ns()
     if mending:
         watch_it(mending)
         parts.append(mending)
@@ -51,7 +51,7 @@ def run(fault, hold=HOLD):
 def settle(live):
     """When the ring was whole again; what was sent until then has ended and been read when this returns."""
     live.wait_whole()
-    whole_ns = time.time_ns()
+    whole_ns = time.monotonic_ns()
     live.wait_ended(whole_ns)
     live.wait('delivered packets to be read', live.traffic.promises.nothing_owed)
     return whole_ns

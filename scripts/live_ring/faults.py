@@ -1,4 +1,4 @@
-"""Faults on purpose, each with timestamps of what the ring does about it (ns of CLOCK_REALTIME; None: not yet)."""
+"""Faults on purpose, each with timestamps of what the ring does about it (ns of CLOCK_MONOTONIC; None: not yet)."""
 import time
 
 from live_ring.ring import NODES, SILENCE_MS, SUPERVISOR, line_of, name_of
@@ -14,7 +14,7 @@ class Fault:
         self.requested_ns = self.detected_ns = self.recovered_ns = None
 
     def start(self):
-        self.requested_ns = time.time_ns()
+        self.requested_ns = time.monotonic_ns()
         self.begin()
 
     def poll(self):

@@ -19,7 +19,7 @@ class Send:
 
     def __init__(self, source, number, to, interrupt, incarnation):
         self.source, self.number, self.to, self.interrupt = source, number, to, interrupt
-        self.asked_ns, self.incarnation, self.outcome = time.time_ns(), incarnation, None
+        self.asked_ns, self.incarnation, self.outcome = time.monotonic_ns(), incarnation, None
 
 
 class Station:

@@ -14,7 +14,7 @@ class Seen:
 
     def __init__(self):
         self.port, self.state, self.size, self.changed_ns, self.boot = None, None, 0, 0, 0
-        self.cpu_state, self.since_ns = None, time.time_ns()
+        self.cpu_state, self.since_ns = None, time.monotonic_ns()
 
 
 class Watch:
@@ -53,14 +53,15 @@ class Watch:
             raise RingFailed('%d events of node %d came faster than they were read, and were left out' % (
                 message.count, node))
         elif isinstance(message, Observed):
-            event = message.content
+            # Its time is that of the wall clock, which may be set between two events.
+            event = dict(message.content, time_ns=message.content['time_ns'] + time.monotonic_ns() - time.time_ns())
             self.events[event['kind']].append((node, event))
             self.note(self.nodes[node], event)
 
     @staticmethod
     def note_status(seen, row):
         if seen.state is None:   # else an event was faster, and is newer
-            seen.state, seen.changed_ns = row['state'], time.time_ns()
+            seen.state, seen.changed_ns = row['state'], time.monotonic_ns()
             seen.size = row['ring_size']
         seen.boot, seen.cpu_state = row['boot'], row['cpu']['state']
 
@@ -73,7 +74,7 @@ class Watch:
         if event['kind'] == 'cpu':
             seen.cpu_state = event['state']
 
-    # ---- timestamps, in ns of CLOCK_REALTIME; None: not yet -------------------------------
+    # ---- timestamps, in ns of CLOCK_MONOTONIC; None: not yet -------------------------------
 
     def all_are(self, state, nodes, size=None):
         """When the last of the nodes came to be so."""
