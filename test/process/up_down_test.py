@@ -291,6 +291,21 @@ class UpDown(RingTest):
         self.assertEqual(self.wait_exit(up), 0)
         self.assertEqual(list(self.launcher.daemons_left()), [])
 
+    def test_respawning_runs_the_file_as_it_was_read_though_it_was_edited_meanwhile(self):
+        for clock in 'machine', 'virtual':
+            with self.subTest(clock=clock):
+                self.ring += 's'
+                config = self.write_ring(plain_nodes(3), timeouts={'cpu_boot': '3s'})
+                up = self.up_respawning(config, '--clock', clock)
+                self.write_ring(plain_nodes(3), timeouts={'cpu_boot': '4s'})
+                before = self.row(1)['pid']
+                os.kill(before, signal.SIGKILL)
+                self.wait('another daemon', lambda: (self.row(1) or {'pid': before})['pid'] != before)
+                self.wait_closed(range(3))
+                self.assertEqual([self.port(node).ask({'do': 'config'})['cpu_boot_ms'] for node in range(3)], [3000] * 3)
+                up.send_signal(signal.SIGINT)
+                self.assertEqual(self.wait_exit(up), 0)
+
     def test_respawning_leaves_a_node_dead_that_was_killed_on_purpose(self):
         up = self.up_respawning('--nodes', 4)
         killed = self.ctl('--ring', self.ring, 'fault', 'kill', 'node2')
