@@ -11,6 +11,7 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 import xml.etree.ElementTree as xml
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -79,26 +80,52 @@ def signature_of(thing):
     try:
         return re.sub(r'<object object at 0x[0-9a-f]+>', '...', str(inspect.signature(thing)))  # its address is another each time
     except (TypeError, ValueError):
-        return '(...)'
+        return ''
+
+
+def prose(words):
+    """A docstring as Markdown: paragraphs, what is indented as code, @param and @raise as a list."""
+    text = ''
+    for paragraph in words.split('\n\n'):
+        if all(line.startswith('    ') for line in paragraph.splitlines()):
+            text += '```python\n%s\n```\n\n' % textwrap.dedent(paragraph)
+            continue
+        first, *tags = re.split(r'\s*@(?=param |raise )', ' '.join(paragraph.split()).replace('*', '\\*').replace('<', '\\<'))
+        text += first + '\n\n' if first else ''
+        tags = [re.sub(r'^param (\S+)', r'`\1`:', tag) for tag in tags]
+        text += ''.join('- %s\n' % re.sub('^raise ', 'raises ', tag) for tag in tags) + ('\n' if tags else '')
+    return text
+
+
+def words_of(thing):
+    """Its own docstring, and of a bound function the signature before it."""
+    words = inspect.cleandoc(vars(thing).get('__doc__') or '') if inspect.isclass(thing) else inspect.getdoc(thing) or ''
+    signature = re.match(r'\w+(\(.*\)) -> (.*)(\n|$)', words)
+    if not signature:
+        return words, None
+    arguments = re.sub(r'self: [\w.]+(, )?', '', signature.group(1))
+    return words[signature.end():].strip(), re.sub(r'limb_ring\._client\.', '', '%s -> %s' % (arguments, signature.group(2)))
 
 
 def described(name, thing, level):
-    """A heading and the docstring of a class, of its public members, or of a function."""
-    if not callable(thing) and not isinstance(thing, property):
+    """A heading and the docstring of a class, of its public members, or of a function. Properties are a list."""
+    if not callable(thing):
         return ''
-    words = inspect.getdoc(thing) or ''
-    shown = name if isinstance(thing, property) or words.startswith(name.split('.')[-1] + '(') else name + signature_of(thing)
-    text = '%s `%s`\n\n' % ('#' * level, shown) + (block(words) if words else '')
-    if inspect.isclass(thing):
-        for member, value in sorted(vars(thing).items()):
-            if not member.startswith('_') and inspect.getdoc(value) and (callable(value) or isinstance(value, (property, classmethod))):
-                text += described('%s.%s' % (thing.__name__, member), getattr(thing, member), level + 1)
-    return text
+    words, signature = words_of(thing)
+    text = '%s `%s`\n\n' % ('#' * level, name + (signature or signature_of(thing))) + (prose(words) if words else '')
+    if not inspect.isclass(thing):
+        return text
+    members = [(member, getattr(thing, member)) for member, value in sorted(vars(thing).items())
+               if not member.startswith('_') and (inspect.getdoc(value) or isinstance(value, property))]
+    properties = ['- `%s`%s\n' % (member, ': ' + prose(inspect.getdoc(value)).strip() if inspect.getdoc(value) else '')
+                  for member, value in members if isinstance(value, property)]
+    text += ''.join(properties) + ('\n' if properties else '')
+    return text + ''.join(described('%s.%s' % (thing.__name__, member), value, level + 1) for member, value in members)
 
 
 def python_page():
     import limb_ring
-    page = '# Python\n\n' + WRITTEN + block(inspect.getdoc(limb_ring))
+    page = '# Python\n\n' + WRITTEN + prose(inspect.getdoc(limb_ring))
     for name in sorted(limb_ring.__all__):
         page += described(name, getattr(limb_ring, name), 2)
     return page.rstrip() + '\n'
