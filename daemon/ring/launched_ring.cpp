@@ -45,7 +45,7 @@ LaunchedDaemon LaunchedRing::started(const LaunchRequest::Node& node) const {
   ringd.arguments = node.arguments;
   ringd.lifetime = request_.lifetime;
   ringd.cores = request_.cores;
-  if (request_.logged) ringd.log = folder_ + "/" + (node.all ? "ring" : std::to_string(node.id)) + ".log";
+  if (request_.logged) ringd.log = folder_ + "/" + (node.all ? kRingLog : std::to_string(node.id) + ".log");
   return {node.id, node.name, process::Program(ringd), node.all};
 }
 

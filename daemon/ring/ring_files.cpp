@@ -67,6 +67,12 @@ std::string kept_logs(const std::string& folder) {
   return path.parent_path() / ".logs" / path.filename();
 }
 
+std::string log_of(const std::string& folder, std::uint8_t node) {
+  for (const std::string& name : {std::to_string(node) + ".log", std::string(kRingLog)})
+    if (fs::exists(fs::path(folder) / name)) return fs::path(folder) / name;
+  return {};
+}
+
 void forget_logs(const std::string& folder) {
   std::error_code ignored;
   fs::remove_all(kept_logs(folder), ignored);
@@ -79,8 +85,11 @@ void keep_logs(const std::vector<std::string>& logs, const std::string& folder) 
   std::error_code ignored;
   if (logs.empty()) return;
   forget_logs(folder);
-  fs::create_directories(kept_logs(folder), ignored);
-  for (const fs::path log : logs) fs::rename(log, fs::path(kept_logs(folder)) / log.filename(), ignored);
+  const fs::path kept = kept_logs(folder);
+  fs::create_directories(kept, ignored);
+  for (const fs::path& ours : {kept.parent_path(), kept})
+    fs::permissions(ours, fs::perms::owner_all, ignored);  // else nobody reads it: files_in()
+  for (const fs::path log : logs) fs::rename(log, kept / log.filename(), ignored);
 }
 
 }  // namespace

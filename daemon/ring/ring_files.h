@@ -44,6 +44,10 @@ void remove_leftovers(const std::string& folder);
 /// Where remove_leftovers() keeps the log files of a ring's folder, which say why it ended: `.logs/RING` beside it,
 /// until forget_logs(), when the ring is started again.
 std::string kept_logs(const std::string& folder);
+/// The log of a virtual ring, whose nodes are one process; each node of a live one has ID.log.
+constexpr const char* kRingLog = "ring.log";
+/// The one that a node of a running ring writes: ID.log or kRingLog; empty where it prints elsewhere.
+std::string log_of(const std::string& folder, std::uint8_t node);
 void forget_logs(const std::string& folder);
 
 }  // namespace limb_ring::live

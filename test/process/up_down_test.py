@@ -71,6 +71,48 @@ class UpDown(RingTest):
             self.assertEqual(sorted(os.listdir(logs)), ['0.log', '1.log'])
         self.assertEqual(self.ctl('list').stdout, 'no ring is running\n')
 
+    def test_log_shows_what_a_node_printed_while_it_runs_and_after_it_has_ended(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': [self.script('talks', 'echo "my gear is stuck"; exec sleep 600')]}
+        config = self.write_ring(nodes, timeouts={'cpu_boot': '500ms'})
+        foreground = self.start('up', [program('ringctl'), 'up', config])
+        self.wait_closed([0, 1])
+        kept_nowhere = self.ctl('log', 'node1')
+        self.assertEqual(kept_nowhere.returncode, 1)
+        self.assertIn("'ringctl up --detach' keeps it", kept_nowhere.stderr)
+        foreground.send_signal(signal.SIGTERM)
+        self.wait_exit(foreground)
+        self.assertEqual(self.ctl('up', config, '--detach', '--timeout', '60').returncode, 0)
+        self.wait('printed', lambda: 'my gear is stuck' in self.ctl('log', 'node1').stdout)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        for node in 'node1', '1':
+            after = self.ctl('log', node)  # the only ring that has left logs
+            self.assertEqual(after.returncode, 0, after.stderr)
+            self.assertIn('my gear is stuck', after.stdout)
+        unknown = self.ctl('--ring', self.ring, 'log', 'node2')
+        self.assertEqual(unknown.returncode, 2)
+        self.assertIn("did you mean", unknown.stderr)
+        self.assertEqual(self.ctl('--ring', 'other', 'log', 'node1').returncode, 3)
+
+    def test_log_follows_until_the_ring_ends_and_status_names_it(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': [self.script('cpu', '[ ! -e "%s/broken" ] || { echo "no calibration"; exit 3; }\n'
+                                                   'exec %s\n' % (self.folder, program('limb_firmware')))]}
+        done = self.ctl('up', self.write_ring(nodes), '--detach', '--timeout', '60')
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.wait_cpu(1, 'running')
+        self.write('broken', '')
+        self.assertEqual(self.ctl('fault', 'crash', 'node1').returncode, 0)
+        self.wait('status names it', lambda: "'ringctl log node1' shows what it printed" in self.ctl('status').stdout)
+        follow = self.start('log', [program('ringctl'), 'log', '-f', 'node1'])
+        self.wait('shown', lambda: 'no calibration' in self.log_of(follow))
+        os.kill(self.row(0)['pid'], signal.SIGKILL)
+        self.wait('status names the daemon', lambda: "the daemon of node0 has ended; 'ringctl log node0'"
+                  in self.ctl('status').stdout)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.assertEqual(self.wait_exit(follow), 0)
+        self.assertIn('has ended', self.log_of(follow))
+
     def test_a_program_that_is_not_there_is_named_before_anything_is_started(self):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = {'command': ['limb_firmwar']}

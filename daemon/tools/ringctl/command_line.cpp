@@ -49,6 +49,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_down(app, context);
   add_list(app, context);
   add_status(app, context);
+  add_log(app, context);
   add_wait(app, context);
   add_send(app, context);
   add_ping(app, context);

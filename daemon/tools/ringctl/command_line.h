@@ -46,6 +46,7 @@ void add_up(CLI::App& app, Context& context);
 void add_down(CLI::App& app, Context& context);
 void add_list(CLI::App& app, Context& context);
 void add_status(CLI::App& app, Context& context);
+void add_log(CLI::App& app, Context& context);
 void add_wait(CLI::App& app, Context& context);
 void add_send(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);

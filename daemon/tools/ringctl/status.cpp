@@ -59,8 +59,8 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
   const std::string heading = headline(ring.ring(), rows) + clock_words(ring_clock(ring.ring()));
   std::cout << app::wrapped(heading, style.width) << status_table(rows, style)
-            << app::wrapped(round_trips_since(rows) + line_report(rows) + unanswered_report(rows) + cpu_report(rows) +
-                                warning_report(rows) + stop_report(rows) + supervision_text(rows),
+            << app::wrapped(round_trips_since(rows) + line_report(rows) + unanswered_report(rows) + down_report(rows) +
+                                cpu_report(rows) + warning_report(rows) + stop_report(rows) + supervision_text(rows),
                             style.width);
 }
 
@@ -110,7 +110,7 @@ std::string shown(const RingAccess& ring, const StatusSample& now, const std::ve
                   const TopStyle& style) {
   return top_table(headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
                    round_trips_since(now.rows) + line_report(now.rows) + unanswered_report(now.rows) +
-                       cpu_report(now.rows) + warning_report(now.rows) + stop_report(now.rows) +
+                       down_report(now.rows) + cpu_report(now.rows) + warning_report(now.rows) + stop_report(now.rows) +
                        supervision_text(now.rows));
 }
 

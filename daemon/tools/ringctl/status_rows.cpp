@@ -116,6 +116,7 @@ json absent_row(const RingAccess& ring, const std::vector<Answer>& answers, std:
   const std::string folder = ring_directory(ring.ring());
   const live::Holder holder = live::holder_of(folder, node.id);
   json row = down_row(node);
+  row["ring"] = ring.ring();
   if (holder.held) row["pid"] = holder.pid;
   if (holder.frozen) row["state"] = "frozen";
   if (is_unanswered(holder)) {
@@ -216,6 +217,28 @@ std::string warning_report(const std::vector<json>& rows) {
   return text;
 }
 
+namespace {
+
+/// "; 'ringctl log left_knee' shows what it printed" where that is kept on this host.
+std::string where_it_printed(const json& row) {
+  const std::string ring = row.value("ring", "");
+  if (ring.empty() || live::log_of(ring_directory(ring), row.value("id", std::uint8_t{0})).empty()) return {};
+  return "; 'ringctl log " + row.value("name", "") + "' shows what it printed";
+}
+
+}  // namespace
+
+std::string down_report(const std::vector<json>& rows) {
+  std::string text;
+  for (const json& row : rows) {
+    const bool on_purpose = !row.value("faults", json::array()).empty();
+    if (row.value("state", "") != "down" || on_purpose) continue;
+    const std::string where = where_it_printed(row);
+    if (!where.empty()) text += "the daemon of " + row.value("name", "") + " has ended" + where + '\n';
+  }
+  return text;
+}
+
 std::string cpu_report(const std::vector<json>& rows) {
   std::string text;
   for (const json& row : rows) {
@@ -224,7 +247,7 @@ std::string cpu_report(const std::vector<json>& rows) {
     if (cpu_word(row) != "failed" || !why.is_string() || why.get<std::string>().empty()) continue;
     const auto boots = cpu.value("failed_boots", std::uint64_t{0});
     text += "CPU of " + row.value("name", "") + " failed: " + why.get<std::string>() +
-            (boots > 0 ? "; " + app::counted(boots, "start") + " in vain" : "") + '\n';
+            (boots > 0 ? "; " + app::counted(boots, "start") + " in vain" : "") + where_it_printed(row) + '\n';
   }
   return text;
 }

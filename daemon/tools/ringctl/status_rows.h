@@ -45,8 +45,11 @@ std::uint64_t errors_of(const nlohmann::json& row);
 std::string headline(const std::string& ring, const std::vector<nlohmann::json>& rows);
 /// The nodes that have not answered, and why; empty where all have.
 std::string unanswered_report(const std::vector<nlohmann::json>& rows);
-/// What nodes warn of, such as too few file descriptors; empty where none does.
+/// The nodes whose daemon has ended by itself, if their logs are kept; empty if none has.
+std::string down_report(const std::vector<nlohmann::json>& rows);
+/// The CPUs that have failed, why, and the command that shows what they printed; empty if none has.
 std::string cpu_report(const std::vector<nlohmann::json>& rows);
+/// What nodes warn of, such as too few file descriptors; empty where none does.
 std::string warning_report(const std::vector<nlohmann::json>& rows);
 /// The nodes that are stopped, and what ends it; empty where none is.
 std::string stop_report(const std::vector<nlohmann::json>& rows);
