@@ -53,6 +53,17 @@ void take_refusals(const json& refusals, NodeStatus& status) {
   }
 }
 
+/// What its daemon has found to be wrong with its CPU's firmware.
+void take_cpu_warnings(const json& warnings, NodeStatus& status) {
+  status.problem.clear();
+  if (!warnings.is_array()) return;
+  for (const json& warning : warnings) {
+    const json &rule = member(warning, "rule"), &text = member(warning, "text");
+    if (!rule.is_string() || !text.is_string() || rule.get<std::string>().rfind("cpu_", 0) != 0) continue;
+    status.problem += (status.problem.empty() ? "" : "; ") + text.get<std::string>();
+  }
+}
+
 void take_lines(const json& row, NodeStatus& status) {
   const json& input = member(row, "input");
   take_text(input, "state", status.input_state);
@@ -100,6 +111,7 @@ void merge_status_row(const json& row, NodeStatus& status) {
   take_number(trip, "p99", status.round_trip_p99, kMicroseconds);
   take_number(trip, "max", status.round_trip_max, kMicroseconds);
   take_refusals(member(row, "refusals"), status);
+  take_cpu_warnings(member(row, "warnings"), status);
   take_counters(member(row, "counters"), status);
 }
 

@@ -112,7 +112,8 @@ void StatusOut::fill_joints(NodeStatus& node) const {
   node.states_received = received.states;
   node.states_missing = received.missing;
   node.commands_not_obeyed = received.refused;
-  node.problem = joints_.problem_of(node.id);
+  // What the bridge sees itself is newer; what the node's daemon has found is there already.
+  if (const std::string problem = joints_.problem_of(node.id); !problem.empty()) node.problem = problem;
   node.stopped |= received.stopped;  // they come sooner than what is asked for
 }
 

@@ -88,9 +88,9 @@ field("beacon.latch_clock", ProtoField.uint64, "Latched clock (ns)")
 
 -- Channel 2, type 1: joint states.
 field("joint.sequence", ProtoField.uint16, "Joint state")
-field("joint.position", ProtoField.double, "Position (rad)")
-field("joint.velocity", ProtoField.double, "Velocity (rad/s)")
-field("joint.effort", ProtoField.double, "Effort (N m)")
+field("joint.position", ProtoField.double, "Position (rad, or m if it slides)")
+field("joint.velocity", ProtoField.double, "Velocity (rad/s, or m/s if it slides)")
+field("joint.effort", ProtoField.double, "Effort (N m, or N if it slides)")
 
 ring.fields = all
 

@@ -138,8 +138,8 @@ void HostPort::observe(const std::string& json_filter) {
   impl_->connection.send(client::ObserveRequest{json_filter});
 }
 
-void HostPort::stop_latched(bool latched) {
-  request(latched ? R"({"do": "stop_latched", "latched": true})" : R"({"do": "stop_latched", "latched": false})");
+void HostPort::tell_stopped(bool stopped) {
+  request(stopped ? R"({"do": "stop_latched", "latched": true})" : R"({"do": "stop_latched", "latched": false})");
 }
 
 void HostPort::alive() {

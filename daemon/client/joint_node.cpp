@@ -27,6 +27,7 @@ constexpr milliseconds kLongestWait{100}, kAnswer{2000};
 constexpr milliseconds kControlPeriod{1};
 /// So many periods of a node's firmware tell whether it keeps up.
 constexpr int kPeriodsJudged = 50;
+constexpr std::size_t kLongestWarning = 1000;  // bytes
 
 Timestamps read_clocks(const HostPort& port) {
   const nanoseconds now = port.now();
@@ -91,17 +92,38 @@ struct JointNode::Impl {
     return *std::exchange(exit_code, std::nullopt);
   }
 
-  void check_use() const {
+  void check_use() {
     if (!has_step && !cpu.setup().joints.empty())
       throw std::logic_error("node " + port.name() +
                              " has joints, and nothing moves them: call on_step() before run()");
     if (const std::string sensor = cpu.unmeasured(); !sensor.empty())
-      say("nothing measures sensor " + sensor + " of the ring's file, so nobody hears of it: on_sensor(\"" + sensor +
-          "\", ...)");
+      warn("nothing measures sensor " + sensor + " of the ring's file, so nobody hears of it: on_sensor(\"" + sensor +
+           "\", ...)");
   }
 
   void say(const std::string& what) const {
     std::fprintf(stderr, "limb_ring: node %s: %s\n", port.name().c_str(), what.c_str());
+  }
+
+  /// Also to the daemon, which logs it, counts it and shows it in its status.
+  void warn(const std::string& what) {
+    say(what);
+    tell_daemon(what);
+  }
+  void tell_daemon(const std::string& what) {
+    const json request{{"do", "warn"}, {"text", what.substr(0, kLongestWarning)}};
+    if (port.connected()) port.request(request.dump(-1, ' ', false, json::error_handler_t::replace));
+  }
+
+  /// What ends the firmware is known where its robot is looked at, not only where it printed.
+  template <class Call>
+  auto told(const Call& call) {
+    try {
+      return call();
+    } catch (const std::exception& problem) {
+      tell_daemon(problem.what());
+      throw;
+    }
   }
 
   /// What has ended the wait, and what has come with it. Where nothing has, nothing is asked for: that is a system
@@ -140,7 +162,7 @@ struct JointNode::Impl {
   void say_whether_stopped() {
     if (cpu.limb().stopped() == said_stopped) return;
     said_stopped = cpu.limb().stopped();
-    port.stop_latched(said_stopped);
+    port.tell_stopped(said_stopped);
   }
 
   void send() {
@@ -186,9 +208,9 @@ struct JointNode::Impl {
     const double real = std::chrono::duration<double>(in_steps).count();
     if (real > of_steps) {
       slow_said = true;
-      say("step() takes longer than what it steps over, " + std::to_string(real / of_steps) + " s for each second: " +
-          (port.in_lockstep() ? "the virtual ring waits for it; do not sleep in it, time is dt"
-                              : "states and sensor readings are left out"));
+      warn("step() takes longer than what it steps over, " + std::to_string(real / of_steps) + " s for each second: " +
+           (port.in_lockstep() ? "the virtual ring waits for it; do not sleep in it, time is dt"
+                               : "states and sensor readings are left out"));
     }
     steps = 0;
     in_steps = {};
@@ -254,7 +276,7 @@ void JointNode::on_step(Step step) {
 }
 
 void JointNode::on_sensor(const std::string& name, std::function<SensorValues()> measure) {
-  impl_->cpu.measured_by(name, std::move(measure));
+  impl_->told([&] { impl_->cpu.measured_by(name, std::move(measure)); });
 }
 
 void JointNode::on_packet(std::function<bool(const Packet&)> take) { impl_->on_packet = std::move(take); }
@@ -267,7 +289,9 @@ void JointNode::meanwhile(std::function<void()> call) { impl_->meanwhile = std::
 
 void JointNode::at(nanoseconds time, std::function<void()> call) { impl_->calls.emplace_back(time, std::move(call)); }
 
-int JointNode::run() { return impl_->run(); }
+int JointNode::run() {
+  return impl_->told([this] { return impl_->run(); });
+}
 void JointNode::end(int code) { impl_->exit_code = code; }
 std::string JointNode::summary() const { return impl_->cpu.summary(); }
 

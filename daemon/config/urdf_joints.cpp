@@ -79,10 +79,18 @@ class UrdfReader {
     }
     if (const XMLElement* mimic = element.FirstChildElement("mimic"); mimic && joint.moves())
       joint.mimic = {text_of(mimic->Attribute("joint")), number(*mimic, "multiplier", 1), number(*mimic, "offset", 0)};
+    problems_.gather([&] { check_type(name, joint); });
     if (!urdf_.joints.emplace(name, joint).second)
       refuse(joint.line,
              "joint '" + name + "' is there twice, first in line " + std::to_string(urdf_.joints[name].line));
     urdf_.order.push_back(name);
+  }
+
+  void check_type(const std::string& name, const UrdfJoint& joint) const {
+    static const std::set<std::string> kTypes{"revolute", "continuous", "prismatic", "fixed", "floating", "planar"};
+    if (kTypes.count(joint.type) == 0)
+      refuse(joint.line, "joint '" + name + "' is " + (joint.type.empty() ? "of no type" : "'" + joint.type + "'") +
+                             "; allowed: revolute, continuous, prismatic, fixed, floating, planar");
   }
 
   double number(const XMLElement& element, const char* name, double fallback) const {

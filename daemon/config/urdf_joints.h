@@ -40,7 +40,8 @@ struct UrdfJoints {
 
 /// @param path stands for the file in errors
 /// @throw ConfigError `FILE:LINE: PROBLEM` for all that is wrong: not XML, no URDF but something else, which it names
-///        with what makes a URDF of it; a joint without a name, two of one, one that mimics nobody or itself
+///        with what makes a URDF of it; a joint without a name, two of one, one of a type that URDF does
+///        not have, one that mimics nobody or itself
 UrdfJoints parse_urdf(const std::string& text, const std::string& path);
 
 /// `text` as it may stand in XML, in an attribute or between tags. Whatever it holds: each byte that XML does not

@@ -4,6 +4,7 @@
 
 #include "limb_ring/payload/joint_state.h"
 #include "limb_ring/payload/packet_type.h"
+#include "limb_ring/payload/sensor_reading.h"
 #include "node/observers.h"
 #include "node/requests.h"
 #include "node/session.h"
@@ -24,15 +25,21 @@ void ClientCalls::on_detach(const host::ClientInfo& client) {
 }
 
 // One truth for the node's status, its beacons and whoever reads the joint states, whichever of the two the CPU uses.
-void ClientCalls::hear_of_stop(const client::SendRequest& request) {
+void ClientCalls::hear(const client::SendRequest& request) {
+  using payload::PacketType;
   if (request.channel != payload::kJointChannel) return;
   const payload::ByteView data{request.data.data, request.data.size};
-  if (!payload::is_type(data, payload::PacketType::joint_state)) return;
-  if (const auto state = payload::decode_joint_state(data)) to_.cpu.stop_latched(state->mode.stopped);
+  if (payload::is_type(data, PacketType::joint_state)) {
+    const auto state = payload::decode_joint_state(data);
+    if (state) to_.cpu.stop_latched(state->mode.stopped);
+    to_.cpu.watch().sent(state, to_.driver.now());
+  } else if (payload::is_type(data, PacketType::imu) || payload::is_type(data, PacketType::force)) {
+    to_.cpu.watch().sent(payload::decode_sensor_reading(data), to_.driver.now());
+  }
 }
 
 void ClientCalls::on_send(host::ClientId client, const client::SendRequest& request) {
-  if (is_cpu(client)) hear_of_stop(request);
+  if (is_cpu(client)) hear(request);
   core::SendRequest send;
   send.owner = SendOwner::of(client).to_core();
   send.token = request.token;

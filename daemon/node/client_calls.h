@@ -40,7 +40,7 @@ class ClientCalls final : public host::HostHandler {
   void on_credit(host::ClientId client) override;
 
  private:
-  void hear_of_stop(const client::SendRequest& request);
+  void hear(const client::SendRequest& request);
   bool is_cpu(host::ClientId client) const { return to_.host.cpu() != nullptr && to_.host.cpu()->id == client; }
 
   Receivers to_;

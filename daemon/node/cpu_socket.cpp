@@ -11,7 +11,8 @@ constexpr const char* kReset = "the CPU was reset";
 
 }  // namespace
 
-CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& driver, host::HostServer& host,
+CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, const config::RingConfig& ring,
+                     const config::NodeConfig& node, NodeDriver& driver, host::HostServer& host,
                      std::function<void()> changed)
     : kind_(options.cpu.kind),
       alive_period_(options.cpu.alive_period),
@@ -19,6 +20,7 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver
       host_(host),
       changed_(std::move(changed)),
       log_prefix_(options.log_prefix),
+      watch_(ring, node, [prefix = log_prefix_](const std::string& text) { spdlog::warn("{}{}", prefix, text); }),
       process_(io, driver.clock(), std::move(options), *this),
       next_read_(driver.clock().timer([this] {
         hand_over();
@@ -38,6 +40,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
   if (!process_.attached(client.pid, client.restarted_by_owner, alive_period))
     return "this process has ended or is being reset";
   reported_.spoke_at = driver_.now();  // its greeting was its first word
+  watch_.begin(driver_.now());
   driver_.set_cpu_present(true);
   return std::nullopt;
 }
@@ -50,6 +53,7 @@ void CpuSocket::detach(const host::ClientInfo& client) {
 }
 
 void CpuSocket::spoke() {
+  watch_.spoke(driver_.now());
   process_.spoke(driver_.clock().now());
   reported_.spoke_at = driver_.now();
   driver_.controller().set_cpu(reported_, driver_.now());
@@ -59,9 +63,10 @@ void CpuSocket::hand_over() {
   core::ReceivedPacket packet;
   while (read_throttle_.may_take(driver_.now()) && (is_sink() || host_.cpu_can_take()) && driver_.take(packet)) {
     read_throttle_.took(driver_.now());
-    if (!is_sink())
-      host_.give(
-          client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
+    if (is_sink()) continue;
+    const client::PacketView view{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()};
+    if (view.channel == payload::kJointChannel) watch_.given({view.data.data, view.data.size});
+    host_.give(view);
   }
   // Where that time is over already, the CPU has asked for nothing more: it is given more when it does.
   const core::Time next = read_throttle_.next();
@@ -94,6 +99,7 @@ void CpuSocket::forget(const host::ClientInfo& client) {
   if (stop_.latched) spdlog::warn("{}the stop that was latched here ends with its CPU", log_prefix_);
   stop_latched(false);
   stop_.latches = true;
+  watch_.end();
   driver_.set_cpu_present(false);
   driver_.cpu_reset(client.id);
 }

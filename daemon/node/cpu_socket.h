@@ -3,6 +3,7 @@
 #include "config/ring_config.h"
 #include "core/time.h"
 #include "node/cpu_process.h"
+#include "node/cpu_watch.h"
 #include "node/host_server.h"
 #include "node/node_driver.h"
 
@@ -36,8 +37,8 @@ class ReadThrottle {
 class CpuSocket final : private CpuEvents {
  public:
   /// `changed` is called after anything that status() shows has changed.
-  CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& driver, host::HostServer& host,
-            std::function<void()> changed);
+  CpuSocket(boost::asio::io_context& io, CpuOptions options, const config::RingConfig& ring,
+            const config::NodeConfig& node, NodeDriver& driver, host::HostServer& host, std::function<void()> changed);
 
   void start();
   void stop(std::function<void()> done) { process_.stop(std::move(done)); }
@@ -83,6 +84,9 @@ class CpuSocket final : private CpuEvents {
   const Stop& stop_state() const { return stop_; }
 
   CpuStatus status() const;
+  /// What is wrong with its firmware.
+  CpuWatch& watch() { return watch_; }
+  const CpuWatch& watch() const { return watch_; }
 
  private:
   bool is_sink() const { return kind_ == config::CpuConfig::Kind::none; }
@@ -98,6 +102,7 @@ class CpuSocket final : private CpuEvents {
   host::HostServer& host_;
   std::function<void()> changed_;
   std::string log_prefix_;
+  CpuWatch watch_;
   CpuProcess process_;
   ReadThrottle read_throttle_;
   std::unique_ptr<event_loop::Timer> next_read_;

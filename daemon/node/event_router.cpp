@@ -22,6 +22,7 @@ void EventRouter::on_round_end() {
   to_.observers.tell_changes(to_.driver);
   to_.lately_damaged.look(to_.driver.now(), to_.driver.controller().counters());
   if (to_.neighbours.is_due(to_.driver.now())) look_at_neighbours();
+  to_.cpu.watch().look(to_.driver.now());
 }
 
 void EventRouter::look_at_neighbours() {

@@ -44,7 +44,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       observers_(host_, driver_->clock()),
       packet_observers_(wire::NodeId{config.id}, *driver_, host_),
       promise_observers_(wire::NodeId{config.id}, folder_->path(), *driver_, host_),
-      cpu_(io, cpu_options(ring, config, base), *driver_, host_,
+      cpu_(io, cpu_options(ring, config, base), ring, config, *driver_, host_,
            [this, tell = base.on_cpu_changed] {
              const CpuStatus cpu = cpu_.status();
              if (!cpu.unsettled) router_.on_cpu_changed();

@@ -67,6 +67,7 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     const auto fault_handler = fault_handlers.find(kind->name);
     if (fault_handler != fault_handlers.end()) return fault_handler->second(to_.faults, request, answer);
     if (kind->name == "stop_latched") return stop_latched(request, of_cpu, answer);
+    if (kind->name == "warn") return warn(request, of_cpu, answer);
     const Answer while_here = [answer, here = std::weak_ptr<void>(here_)](const Json& reply) {
       if (!here.expired()) answer(reply);
     };
@@ -148,6 +149,16 @@ void Requests::stop_latched(const Json& request, bool of_cpu, const Answer& answ
     to_.cpu.stop_latched(latched.get<bool>());
   else
     throw RequestError("'latched' is missing or none of these; allowed: true, false, \"never\"");
+  answer(Json::object());
+}
+
+void Requests::warn(const Json& request, bool of_cpu, const Answer& answer) {
+  constexpr std::size_t kLongest = 1000;
+  if (!of_cpu) throw RequestError("warn is for the node's CPU alone");
+  const Json text = request.value("text", Json());
+  if (!text.is_string() || text.get<std::string>().empty() || text.get<std::string>().size() > kLongest)
+    throw RequestError("'text' is missing or none; allowed: a sentence of 1 to 1000 bytes");
+  to_.cpu.watch().told(text.get<std::string>());
   answer(Json::object());
 }
 
@@ -307,6 +318,7 @@ const std::vector<RequestKind>& request_kinds() {
       {"stop", {"node"}, true},
       {"stop_latched", {"latched"}, false},
       {"sync", {}, true},
+      {"warn", {"text"}, false},
       {"went_on_without", {"whom"}, false}};
   return kinds;
 }

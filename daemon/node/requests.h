@@ -56,6 +56,7 @@ class Requests {
   void setup(const Json& request, const Answer& answer);
   void shutdown(const Json& request, const Answer& answer);
   void stop_latched(const Json& request, bool of_cpu, const Answer& answer);
+  void warn(const Json& request, bool of_cpu, const Answer& answer);
   void status(const Json& request, const Answer& answer);
   void stop(const Json& request, const Answer& answer);
   void sync(const Json& request, const Answer& answer);

@@ -74,6 +74,7 @@ json counters_json(const StatusSources& from) {
   all["host_captured_lost"] = h.captured_lost;
   all["host_interrupts_lost"] = h.interrupts_lost;
   const PinCommands::Counters& commands = from.cpu.command_counters();
+  all["cpu_warnings"] = from.cpu.watch().begun();
   all["pin_commands_refused"] = commands.refused;
   all["pin_commands_failed"] = commands.failed;
   all["pin_commands_timed_out"] = commands.timed_out;
@@ -197,6 +198,7 @@ json warnings_json(const StatusSources& from) {
   add("descriptors", too_few_descriptors(from.ring));
   if (from.turns != nullptr) add("holds_time", from.turns->holds_time(from.node.id));
   for (const Warning& warning : from.neighbours.warnings()) add(warning.rule, warning.text);
+  for (const Warning& warning : from.cpu.watch().warnings()) add(warning.rule, warning.text);
   return all;
 }
 

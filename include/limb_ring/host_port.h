@@ -191,9 +191,9 @@ class HostPort {
   /// @throw HostPortError where the text is longer than 64 kB. A filter that is refused comes as Observed {"error":
   /// ...}
   void observe(const std::string& json_filter);
-  /// A CPU that latches stops: one is latched here, or was ended. The node shows it (`ringctl status`, /stopped) and
-  /// tells the others. Where its joint states say so (JointState::Mode::stopped), they are enough.
-  void stop_latched(bool latched);
+  /// A CPU says that it is stopped, its joints in their safe state since an emergency stop, or no longer. The node
+  /// shows it (`ringctl status`, /stopped) and tells the others. JointState::Mode::stopped says the same.
+  void tell_stopped(bool stopped);
   /// Says that the CPU is alive (any other call that sends, receives or waits does so too; one
   /// that is itself waiting does not).
   void alive();

@@ -220,6 +220,8 @@ void bind_port(py::module& module) {
           "age_ns", [](Port& p, std::int64_t stamp_ns) { return Use(p)->age_of(stamp_ns).count(); }, LetOthersRun())
       .def(
           "alive", [](Port& p) { Use(p)->alive(); }, LetOthersRun())
+      .def(
+          "tell_stopped", [](Port& p, bool stopped) { Use(p)->tell_stopped(stopped); }, LetOthersRun())
       .def("sleep_until", [](Port& p, std::int64_t until_ns) { sleep_until(*Use(p), until_ns); })
       .def("receive", [](Port& p, double timeout, const py::object& keep) { return receive(*Use(p), timeout, keep); })
       .def("wait", [](Port& p, std::uint32_t token, double timeout,

@@ -218,6 +218,11 @@ class HostPort:
         """Says that the CPU is alive, as any call does that sends, receives or waits."""
         self._port.alive()
 
+    def tell_stopped(self, stopped):
+        """A CPU says that it is stopped, its joints in their safe state since an emergency stop, or no longer. The node
+        shows it (`ringctl status`) and tells the others. The mode bit `stopped` of a JointState says the same."""
+        self._port.tell_stopped(bool(stopped))
+
     # ---- in -------------------------------------------------------------------------------
 
     def receive(self, timeout):
