@@ -73,8 +73,9 @@ class UpDown(RingTest):
 
     def test_log_shows_what_a_node_printed_while_it_runs_and_after_it_has_ended(self):
         nodes = plain_nodes(2)
-        nodes[1]['cpu'] = {'command': [self.script('talks', 'echo "my gear is stuck"; exec sleep 600')]}
-        config = self.write_ring(nodes, timeouts={'cpu_boot': '500ms'})
+        nodes[1]['cpu'] = {'command': [self.script('talks', 'echo "my gear is stuck"\nexec %s\n'
+                                                   % program('limb_firmware'))]}
+        config = self.write_ring(nodes)
         foreground = self.start('up', [program('ringctl'), 'up', config])
         self.wait_closed([0, 1])
         kept_nowhere = self.ctl('log', 'node1')
