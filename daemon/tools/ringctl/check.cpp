@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -7,9 +8,11 @@
 #include "config/load_ring.h"
 #include "config/quantity.h"
 #include "config/urdf_joints.h"
+#include "node/link_settings.h"
 #include "sim/load_scenario.h"
 #include "tools/common/ring_file.h"
 #include "tools/ringctl/command_line.h"
+#include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
@@ -78,6 +81,44 @@ int check(const std::vector<std::string>& files) {
   return all_right ? kDone : kUsage;
 }
 
+std::string hexadecimal(const link::Agreement& agreement) {
+  std::string digits;
+  for (const std::uint64_t part : agreement.parts) {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(part));
+    digits += text;
+  }
+  return digits;
+}
+
+/// The `links.port` that its ports follow from: a node that is not ours knows no other.
+int common_port(const config::RingConfig& ring) {
+  const int first = ring.nodes.front().link.port - ring.nodes.front().id;
+  for (const config::NodeConfig& node : ring.nodes)
+    if (node.link.transport != config::LinkConfig::Transport::udp || node.link.port - node.id != first)
+      throw UsageError("--foreign: node '" + node.name + "' does not listen over UDP at links.port + its id; leave " +
+                       "`transport` and `port` of its link to `links`: {transport: udp, port: 17000}");
+  return first;
+}
+
+/// What a node is told that reads no YAML: RING NODE PORT IDS AGREEMENT.
+int tell_foreign(const std::vector<std::string>& files, const std::string& name) {
+  if (files.size() != 1) throw UsageError("--foreign: it is of one ring; name one FILE");
+  const config::RingConfig ring = config::load_ring(app::ring_file(files.front()));
+  const config::NodeConfig* node = ring.find(name);
+  if (!node) {
+    std::vector<NodeName> there;
+    for (const config::NodeConfig& each : ring.nodes) there.push_back({each.id, each.name});
+    throw unknown_node(name, ring.ring, there);
+  }
+  std::string ids;
+  for (const config::NodeConfig& each : ring.nodes) ids += (ids.empty() ? "" : ",") + std::to_string(each.id);
+  const int port = common_port(ring);
+  std::cout << ring.ring << ' ' << +node->id << ' ' << port << ' ' << ids << ' '
+            << hexadecimal(setup::agreement_of(ring)) << std::endl;
+  return kDone;
+}
+
 }  // namespace
 
 void add_check(CLI::App& app, Context& context) {
@@ -87,7 +128,15 @@ void add_check(CLI::App& app, Context& context) {
       "Starts nothing. Says all that is wrong at once. What cannot be carried in time, 'ring_sim plan' says.");
   command->add_option("FILE", *files, "YAML of a ring or scenario, the name of a ring such as leg8, or a URDF")
       ->required();
-  command->callback([&context, files] { context.action = [files] { return check(*files); }; });
+  auto foreign = std::make_shared<std::string>();
+  command
+      ->add_option("--foreign", *foreign,
+                   "Instead: what the program of NODE, which is not ours, is told of this ring: its name, the id, "
+                   "links.port, all ids, and the agreement of protocol.md section 6.13")
+      ->type_name("NODE");
+  command->callback([&context, files, foreign] {
+    context.action = [files, foreign] { return foreign->empty() ? check(*files) : tell_foreign(*files, *foreign); };
+  });
 }
 
 }  // namespace limb_ring::ringctl
