@@ -16,9 +16,9 @@ def counting(folder):
 
 
 class Live:
-    def __init__(self, options, rate, child_nodes, child_command=counting, records=False):
+    def __init__(self, options, rate, child_nodes, child_command=counting, records=False, foreign=()):
         self.loop = Loop()
-        self.ring = LiveRing(options, child_nodes, child_command, records)
+        self.ring = LiveRing(options, child_nodes, child_command, records, foreign)
         # What other programs receive cannot be checked.
         targets = [node for node in range(NODES) if child_command is counting or node not in child_nodes]
         self.watch = Watch(self.loop, self.ring)
@@ -36,7 +36,7 @@ class Live:
         return self.loop.until(lambda: '%s; the nodes: %s' % (what, self.watch.text()), condition, GUARD)
 
     def is_whole(self):
-        cpus = all(self.watch.nodes[node].cpu_state == 'running' for node in self.ring.nodes)
+        cpus = all(self.watch.nodes[node].cpu_state == 'running' for node in self.ring.ours)
         return cpus and self.watch.whole() and self.traffic.all_connected()
 
     def wait_whole(self):

@@ -36,17 +36,21 @@ class RingFailed(Exception):
 class LiveRing:
     """Nodes with a CPU of the caller's (attached) but for `child_nodes`, whose CPU ringd starts."""
 
-    def __init__(self, options, child_nodes, child_command, records=False):
+    def __init__(self, options, child_nodes, child_command, records=False, foreign=()):
         """@param options of command_line.parse()
         @param child_command makes a CPU's command of the ring's folder
-        @param records the nodes' flight recorders are on"""
+        @param records the nodes' flight recorders are on
+        @param foreign nodes that are tiny_node_udp, the node in C, without a daemon"""
         self.records = records
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # CPUs are crashed on purpose
         self.launcher = Launcher(options.programs)
         self.launcher.environment['PYTHONDONTWRITEBYTECODE'] = '1'
         self.folder, self.redundancy = self.launcher.folder, options.redundancy
         self.transports = MIXED if options.transport == 'mixed' else (options.transport,)
-        self.nodes, self.child_nodes = list(range(NODES)), list(child_nodes)
+        self.foreign = list(foreign)
+        self.nodes = list(range(NODES))
+        self.ours = [node for node in self.nodes if node not in self.foreign]   # those with a daemon
+        self.child_nodes = [node for node in child_nodes if node in self.ours]
         self.name = 'live%d_%d' % (options.seed, os.getpid())
         self.links = {'key': self._key()} if options.keyed else {}
         self.config = self._write(child_command)
@@ -59,6 +63,8 @@ class LiveRing:
         for node in nodes:
             child = node['id'] in self.child_nodes
             node['cpu'] = {'command': child_command(self.folder), 'alive_period': '200ms'} if child else 'attached'
+            if node['id'] in self.foreign:
+                node['controller'] = 'foreign'
             node['pins'] = {str(NOTIFY): 'notify'}
             node['link'] = {'transport': self.transport_into(node['id'])}
             if node['link']['transport'] == 'udp':
@@ -90,9 +96,22 @@ class LiveRing:
 
     def start_node(self, node):
         # In a session of its own: Ctrl-C is for the caller, who ends the ring.
-        self.daemons[node] = self.launcher.ringd(self.config, node, start_new_session=True)
+        start = self._start_foreign if node in self.foreign else self._start_daemon
+        self.daemons[node] = start(node, start_new_session=True)
         self.killed.discard(node)
         self.starts[node] += 1
+
+    def _start_daemon(self, node, **options):
+        return self.launcher.ringd(self.config, node, **options)
+
+    def _start_foreign(self, node, **options):
+        told = self._program('ringctl', 'check', self.config, '--foreign', str(node)).split()
+        return self.launcher.start('tiny_%d' % node, [self.launcher.program('tiny_node_udp'), *told], **options)
+
+    def logs_of(self, node):
+        """Of each of its starts."""
+        names = ('ringd_%s' % node, 'tiny_%d' % node)
+        return [process.log for what, process in self.launcher.started if what in names]
 
     def kill(self, node):
         self.killed.add(node)
@@ -110,13 +129,13 @@ class LiveRing:
         self.frozen.discard(node)
 
     def can_answer(self, node):
-        return node not in self.killed and node not in self.frozen
+        return node in self.ours and node not in self.killed and node not in self.frozen
 
     def check(self):
         """@raise RingFailed where a daemon has ended that was not killed"""
         for node, daemon in self.daemons.items():
             if node not in self.killed and daemon.poll() is not None:
-                raise RingFailed('ringd of node %d (pid %d) has ended by itself with %d; its last lines:\n%s' % (
+                raise RingFailed('node %d (pid %d) has ended by itself with %d; its last lines:\n%s' % (
                     node, daemon.pid, daemon.returncode, self.last_lines(node)))
 
     def last_lines(self, node, count=20):

@@ -26,12 +26,17 @@ class Rounds:
         tell(words)
         for fault in drawn:
             self.begun[fault.kind] = self.begun.get(fault.kind, 0) + 1
-        if at_once == 1 and isinstance(drawn[0], faults.MEASURED):
+        if at_once == 1 and self.can_be_measured(drawn[0]):
             self.rows += episode.run(drawn[0], self.time())
         else:
             self.unmeasured(drawn)
         self.look_for_ends({fault.node for fault in drawn if isinstance(fault, faults.Crash)})
         return words
+
+    def can_be_measured(self, fault):
+        """A foreign node tells no times."""
+        told = not self.live.ring.foreign or not {fault.node, (fault.node + 1) % NODES} & set(self.live.ring.foreign)
+        return isinstance(fault, faults.MEASURED) and told
 
     def look_for_ends(self, crashed):
         """CPUs that ended though nobody told them to."""
@@ -48,6 +53,8 @@ class Rounds:
         if node in self.live.ring.child_nodes:   # rare, so that theirs come often
             kinds = list(faults.OF_CPUS)
             makers = [disturbances.child_cpu]
+        if node in self.live.ring.foreign:   # it can be told nothing
+            kinds, makers = [faults.Dead, faults.Frozen], []
         drawn = self.chance.choice(kinds + makers)
         return drawn(self.live, node, self.chance) if drawn in makers else drawn(self.live, node)
 

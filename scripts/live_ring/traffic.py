@@ -1,5 +1,6 @@
 """Every node sends all the time: unicasts and broadcasts of random size and priority, and interrupts."""
 import random
+import re
 import time
 from collections import Counter
 
@@ -12,6 +13,8 @@ from limb_ring import BROADCAST, Interrupt, Packet, Result
 WINDOW = 8               # sends of one node that have not ended
 BROADCASTS_ONE_IN = 20
 INTERRUPTS_ONE_IN = 20
+SYNC = 2                 # the factor of interrupts to a foreign node, which says that it was pulled
+PULLED = re.compile(r'node (\d+) has pulled pin %d\n' % SYNC)
 
 
 class Send:
@@ -34,12 +37,13 @@ class Station:
 class Traffic:
     def __init__(self, loop, ring, seed, rate, targets):
         self.loop, self.ring, self.targets = loop, ring, targets
-        self.stations = {node: Station(node, seed) for node in ring.nodes}
+        self.stations = {node: Station(node, seed) for node in ring.ours}
         self.promises = Promises(ring.nodes)
         self.interval = len(ring.nodes) / rate   # s, of one node
-        self.results = Counter()
+        self.results, self.echoes = Counter(), Counter()
         self.recent = []      # sends since forget()
         self.read_up_to = {}     # of what child CPUs have noted
+        self.to_foreign = {}     # (source, number): destination, priority
         self.on = True
         loop.turns.append(self.turn)
         loop.seldom.append(self.read_files)
@@ -56,7 +60,7 @@ class Traffic:
     # ---- connections ----------------------------------------------------------------------
 
     def is_cpu(self, node):
-        return node not in self.ring.child_nodes
+        return node in self.stations and node not in self.ring.child_nodes
 
     def connect(self, station):
         if not self.ring.can_answer(station.node):
@@ -79,15 +83,21 @@ class Traffic:
     def send(self, station):
         to = station.chance.choice([node for node in self.targets if node != station.node])
         if station.chance.randrange(INTERRUPTS_ONE_IN) == 0:
-            return self.order(station, to, True, station.port.host.interrupt, to, NOTIFY)
+            return self.order(station, to, True, station.port.host.interrupt, to, self.factor(to))
         if station.chance.randrange(BROADCASTS_ONE_IN) == 0:
             to = BROADCAST
         data = payload.make(station.node, station.number + 1, station.chance)
-        self.order(station, to, False, station.port.host.send, to, data, station.chance.randrange(4))
+        priority = station.chance.randrange(4)
+        if to == BROADCAST or to in self.ring.foreign:
+            self.to_foreign[(station.node, station.number + 1)] = to, priority
+        self.order(station, to, False, station.port.host.send, to, data, priority)
+
+    def factor(self, to):
+        return SYNC if to in self.ring.foreign else NOTIFY
 
     def order(self, station, to, interrupt, say, *arguments):
         station.number += not interrupt
-        incarnation = 0 if to == BROADCAST else self.stations[to].incarnation
+        incarnation = self.stations[to].incarnation if to in self.stations else 0
         send = Send(station.node, station.number, to, interrupt, incarnation)
         station.under_way[say(*arguments)] = send
         self.recent.append(send)
@@ -95,7 +105,9 @@ class Traffic:
     # ---- in -------------------------------------------------------------------------------
 
     def handle(self, station, message):
-        if isinstance(message, Packet):
+        if isinstance(message, Packet) and message.source in self.ring.foreign:
+            self.echo(station, message)
+        elif isinstance(message, Packet):
             self.promises.message(station.node, message)
         elif isinstance(message, Interrupt) and message.action == 'notify':
             self.promises.pin(station.node, message.source)
@@ -105,6 +117,18 @@ class Traffic:
                 return self.promises.broken('node %d was told a second time how send %d ended: %s', station.node,
                                             message.token, message.outcome)
             self.end(send, message.outcome)
+
+    def echo(self, station, packet):
+        """The CPU of a foreign node sends each packet back: that shows what it was given."""
+        known = payload.read(packet.data)
+        if known not in self.to_foreign or known[0] != station.node:
+            return self.promises.broken('node %d was sent back a packet by node %d that it has not sent: %s', station.node,
+                                        packet.source, known or 'damaged')
+        self.given_to_foreign(packet.source, known)
+
+    def given_to_foreign(self, node, known):
+        self.echoes[node] += 1
+        self.promises.packet(node, *known, *self.to_foreign[known])
 
     def end(self, send, outcome):
         send.outcome = outcome
@@ -126,10 +150,23 @@ class Traffic:
             for offset in range(0, whole, counting_cpu.NOTE.size):
                 self.note(node, data[offset:offset + counting_cpu.NOTE.size])
 
+    def read_pulls(self):
+        """Once, at the end: what foreign nodes say was pulled at them."""
+        for node in self.ring.foreign:
+            for log in self.ring.logs_of(node):
+                with open(log, errors='replace') as said:
+                    for source in PULLED.findall(said.read()):
+                        self.promises.pin(node, int(source))
+
     def note(self, node, note):
         if note == counting_cpu.DAMAGED:
             return self.promises.broken('node %d was given a damaged packet', node)
-        self.promises.packet(node, *counting_cpu.NOTE.unpack(note))
+        source, number, destination, priority = counting_cpu.NOTE.unpack(note)
+        if source != node:
+            return self.promises.packet(node, source, number, destination, priority)
+        to, _ = self.to_foreign[(source, number)]   # it was sent back; by whom the note does not say of a broadcast
+        if to != BROADCAST:
+            self.given_to_foreign(to, (source, number))
 
     # ---- accounts -------------------------------------------------------------------------
 

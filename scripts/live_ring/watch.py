@@ -20,7 +20,7 @@ class Seen:
 class Watch:
     def __init__(self, loop, ring):
         self.loop, self.ring = loop, ring
-        self.nodes = {node: Seen() for node in ring.nodes}
+        self.nodes = {node: Seen() for node in ring.ours}
         self.events = {kind: [] for kind in KINDS}   # of (node, event), in order of arrival
         self.answers = {}   # (node, token): reply
         loop.turns.append(self.connect)
@@ -77,8 +77,8 @@ class Watch:
     # ---- timestamps, in ns of CLOCK_MONOTONIC; None: not yet -------------------------------
 
     def all_are(self, state, nodes, size=None):
-        """When the last of the nodes came to be so."""
-        seen = [self.nodes[node] for node in nodes]
+        """When the last of the nodes that have a daemon came to be so."""
+        seen = [self.nodes[node] for node in nodes if node in self.nodes]
         so = all(each.state == state and size in (None, each.size) for each in seen)
         return max(each.changed_ns for each in seen) if so else None
 
