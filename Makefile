@@ -15,7 +15,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build docs demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector deb deb-check deps clean format
+.PHONY: help all build docs demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -154,7 +154,12 @@ docs: build ## The manual as HTML, into build/docs (needs python3-sphinx, python
 	  { echo "make docs needs Sphinx: apt-get install python3-sphinx python3-myst-parser furo"; exit 2; }
 	PYTHONPATH=$(BUILD)/devel/lib/python3/dist-packages $(PYTHON) docs/generate_reference.py --programs $(BUILD)/devel/lib/limb_ring
 	$(PYTHON) -m sphinx -W --keep-going -q -b html docs $(BUILD)/docs
+	@[ ! -d $(BUILD)-playground/page ] || cp -r $(BUILD)-playground/page $(BUILD)/docs/playground
 	@echo "The manual: $(BUILD)/docs/index.html"
+
+# Without emscripten it says so and ends with 77.
+playground: ## The simulator for a browser tab, into build-playground/page (needs emscripten)
+	@JOBS=$(JOBS) scripts/make_playground $(BUILD)-playground
 
 deb: ## The Debian packages, into build-deb/ (installs by apt what building needs)
 	@JOBS=$(JOBS) scripts/make_deb build-deb
@@ -174,4 +179,4 @@ install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 
 clean: ## Removes all builds
-	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-quick $(BUILD)-coverage $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb $(BUILD)-no-ros
+	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-quick $(BUILD)-coverage $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb $(BUILD)-no-ros $(BUILD)-playground

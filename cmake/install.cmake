@@ -16,7 +16,7 @@ endforeach()
 install(TARGETS limb_ring_joint_node limb_ring_client limb_ring_payload ARCHIVE DESTINATION ${LIMB_RING_LIB})
 install(DIRECTORY include/limb_ring/ DESTINATION ${LIMB_RING_INCLUDE})
 install(PROGRAMS examples/walk_controller.py DESTINATION ${LIMB_RING_BIN})
-install(DIRECTORY config examples urdf web wireshark DESTINATION ${LIMB_RING_SHARE})
+install(DIRECTORY config examples urdf web wireshark DESTINATION ${LIMB_RING_SHARE} PATTERN playground EXCLUDE)
 # What ringctl serves, where it looks for it from its own folder.
 get_filename_component(share ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/../../share/limb_ring ABSOLUTE)
 file(MAKE_DIRECTORY ${share})

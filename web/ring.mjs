@@ -128,6 +128,16 @@ export class RingPicture {
     group.querySelector('.line').style.strokeWidth = width.toFixed(1);
   }
 
+  /** What is on each line at this moment, in slow motion. @param list by place: {text, kind} or null */
+  flow(list) {
+    list.forEach((packet, i) => {
+      const group = this.lines[i];
+      group.classList.toggle('busy', packet?.kind === 'data');
+      group.classList.toggle('cut-in', packet?.kind === 'interrupt');
+      say(group.querySelector('.load'), packet?.text ?? '');
+    });
+  }
+
   bypass(from, to) {
     const a = this.place.nodes[from], b = this.place.nodes[to], middle = { x: this.place.width / 2, y: this.place.height / 2 };
     const pull = (one, by) => one + (by - one) * 0.25;

@@ -3,6 +3,7 @@
 import { JointGraphs, Strip } from './graphs.mjs';
 import { bytesText, countersMoved, lineCondition, lineOrder, loadText, nodeCondition, number, timeText } from './model.mjs';
 import { RingPicture } from './ring.mjs';
+import { connect } from './source.mjs';
 
 const most_events = 200, most_counters = 40;
 const by = (id) => document.getElementById(id);
@@ -22,12 +23,8 @@ const picture = new RingPicture(by('picture'), choose);
 
 async function order(...words) {
   say(by('said'), `ringctl ${words.join(' ')} ...`);
-  try {
-    const answer = await fetch('order', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(words) });
-    if (!answer.ok) say(by('said'), `Refused: ${await answer.text()}`);
-  } catch (problem) {
-    say(by('said'), `Not sent: ${problem.message}`);
-  }
+  const refused = await source.order(words);
+  if (refused) say(by('said'), refused);
 }
 
 function choose(what) {
@@ -59,8 +56,7 @@ async function details() {
   if (chosen?.node == null)
     return show('Nothing chosen', element('p', {}, 'Choose a node or a line: by a click, or with arrow keys and Enter.'));
   const node = page.ring.nodes[chosen.node];
-  const answer = await fetch(`node/${node.id}`).catch(() => null);
-  const row = answer?.ok ? await answer.json().catch(() => null) : null;
+  const row = await source.node(node.id);
   if (page.chosen === chosen) nodeDetails(node, page.status.rows[chosen.node], row, chosen.node);
 }
 
@@ -133,6 +129,7 @@ const take = {
     by('events').prepend(element('li', {}, `${timeText(message.time_ns)}  ${node}${message.text}`));
     while (by('events').children.length > most_events) by('events').lastChild.remove();
   },
+  flow(message) { picture.flow(message); },
   packets(message) {
     if (!page.ring) return;
     strip.add(message);
@@ -175,7 +172,4 @@ by('theme').addEventListener('click', () => {
 dark.addEventListener('change', paint);
 paint();
 
-const events = new EventSource('events');
-for (const [kind, act] of Object.entries(take)) events.addEventListener(kind, (event) => act(JSON.parse(event.data)));
-events.addEventListener('error', () => say(by('said'), "No connection; trying again. If 'ringctl view' was started anew, open the address that it printed."));
-events.addEventListener('open', () => say(by('said'), ''));
+const source = connect(take, (text) => say(by('said'), text));

@@ -2,21 +2,12 @@
 needs is missing: node; chromium, and playwright-core where node finds it (NODE_PATH)."""
 
 import os
-import shutil
 import subprocess
 import unittest
 
 import ring_process
 from ring_process import plain_nodes
-from view_process import ViewTest
-
-WEB = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', 'web')
-NODE = shutil.which('node')
-CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser') or shutil.which('google-chrome')
-
-
-def has_playwright():
-    return NODE and subprocess.run([NODE, '-e', 'require("playwright-core")'], stderr=subprocess.DEVNULL).returncode == 0
+from view_process import CHROMIUM, NODE, WEB, ViewTest, has_playwright
 
 
 class Page(ViewTest):

@@ -1,12 +1,23 @@
-"""`ringctl view` for tests: a ring, its server, and a client that speaks HTTP byte by byte."""
+"""`ringctl view` for tests: a ring, its server, and a client that speaks HTTP byte by byte; and what a browser needs."""
 
 import json
 import os
 import re
+import shutil
 import socket
+import subprocess
 from urllib.parse import urlsplit
 
 from ring_process import GUARD, RingTest, program
+
+
+WEB = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', 'web')
+NODE = shutil.which('node')
+CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser') or shutil.which('google-chrome')
+
+
+def has_playwright():
+    return NODE and subprocess.run([NODE, '-e', 'require("playwright-core")'], stderr=subprocess.DEVNULL).returncode == 0
 
 
 class ViewTest(RingTest):

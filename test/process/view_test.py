@@ -30,7 +30,7 @@ class View(ViewTest):
 
     def test_the_page_and_its_files_are_served_and_say_that_nothing_else_may_be_loaded(self):
         self.view()
-        for path in ('', 'index.html', 'style.css', 'view.mjs', 'ring.mjs', 'model.mjs', 'graphs.mjs'):
+        for path in ('', 'index.html', 'style.css', 'view.mjs', 'ring.mjs', 'model.mjs', 'graphs.mjs', 'source.mjs'):
             self.assertEqual(self.get(path)[0], 200, path)
         with self.connected() as client:
             client.sendall(self.request('/%s/' % self.token))

@@ -30,6 +30,31 @@ const all = {
     await page.locator('svg .break.seen').waitFor({ state: 'detached' });
     assert.equal(await page.locator('svg .node.good').count(), 5);
   },
+  async playground() {
+    await headline('humanoid16: 16 of 16 nodes up');
+    await node('left_knee').click();
+    await page.locator('#details button', { hasText: 'Hang CPU' }).click();
+    await node('left_knee').filter({ hasText: 'CPU hung' }).waitFor();
+    await page.locator('#details button', { hasText: 'Reset CPU' }).click();
+    await page.locator('#events li', { hasText: 'left_knee: CPU running, boot 2' }).first().waitFor();
+    await page.locator('#details button', { hasText: 'Cut line to left_ankle' }).click();
+    await headline('a line is broken');
+    await page.locator('svg .break.seen text', { hasText: 'cut' }).waitFor();
+    await page.locator('#clear').click();
+    await headline('16 of 16 nodes up');
+    await page.locator('#run-case').click();
+    await page.locator('#case-text', { hasText: 'measured 75.264 us' }).waitFor();
+    assert.equal(await page.locator('#case-picture rect.own').count(), 16);
+    await page.locator('#run-scenario').click();
+    await page.locator('#scenario-verdict', { hasText: 'as expected' }).waitFor();
+    assert.equal(await page.locator('#scenario-picture text.row').count(), 16);
+    await page.locator('#pause').click();
+    const shown = await page.locator('#headline').textContent();
+    await page.goto('about:blank');
+    await page.goBack();
+    await headline(shown);
+    await page.locator('#case-text, #scenario-verdict', { hasText: 'as expected' }).waitFor();
+  },
   async read_only() {
     await headline('5 of 5 nodes up');
     await node('node1').click();

@@ -63,7 +63,8 @@ struct PageFile {
 constexpr PageFile kPage[] = {
     {"index.html", "text/html; charset=utf-8"},      {"style.css", "text/css; charset=utf-8"},
     {"view.mjs", "text/javascript; charset=utf-8"},  {"ring.mjs", "text/javascript; charset=utf-8"},
-    {"model.mjs", "text/javascript; charset=utf-8"}, {"graphs.mjs", "text/javascript; charset=utf-8"}};
+    {"model.mjs", "text/javascript; charset=utf-8"}, {"graphs.mjs", "text/javascript; charset=utf-8"},
+    {"source.mjs", "text/javascript; charset=utf-8"}};
 
 /// By name; only these can be asked for. @throw UsageError
 std::map<std::string, std::string> read_page(const std::string& folder) {
