@@ -1,5 +1,5 @@
 """The page of `ringctl view`: its parts by node's test runner, all of it in a browser. Each is skipped where what it
-needs is missing: node; chromium, and playwright-core where node finds it (NODE_PATH)."""
+needs is missing: node; chromium, and playwright-core, which 'npm ci --prefix test/web' installs."""
 
 import os
 import subprocess

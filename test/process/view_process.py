@@ -17,7 +17,7 @@ CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser') or shuti
 
 
 def has_playwright():
-    return NODE and subprocess.run([NODE, '-e', 'require("playwright-core")'], stderr=subprocess.DEVNULL).returncode == 0
+    return NODE and subprocess.run([NODE, '-e', 'require("playwright-core")'], cwd=WEB, stderr=subprocess.DEVNULL).returncode == 0
 
 
 class ViewTest(RingTest):
