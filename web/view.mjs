@@ -5,7 +5,7 @@ import { bytesText, countersMoved, lineCondition, lineOrder, loadText, nodeCondi
 import { RingPicture } from './ring.mjs';
 import { connect } from './source.mjs';
 
-const most_events = 200, most_counters = 40;
+const most_events = 200, most_counters = 40, most_of_node = 20;
 const by = (id) => document.getElementById(id);
 const say = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
@@ -16,7 +16,7 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-const page = { control: false, ring: null, status: null, chosen: null, before: null };
+const page = { control: false, ring: null, status: null, chosen: null, before: null, log: new Map() };
 const strip = new Strip(by('strip'), by('strip-text'));
 const graphs = new JointGraphs(by('joints'), by('joints-title'));
 const picture = new RingPicture(by('picture'), choose);
@@ -83,7 +83,15 @@ function nodeDetails(node, row, full, place) {
   controls,
   element('table', {}, element('caption', {}, 'Counters that moved since it was chosen'),
     element('tr', {}, element('th', { scope: 'col' }, 'Counter'), element('th', { scope: 'col' }, 'By')),
-    ...moved.slice(0, most_counters).map(([name, count]) => element('tr', {}, element('td', {}, name), element('td', {}, String(count))))));
+    ...moved.slice(0, most_counters).map(([name, count]) => element('tr', {}, element('td', {}, name), element('td', {}, String(count))))),
+  logOf(node.id));
+}
+
+/** What has happened at a node since the page was opened: states, pins, its CPU, its lines. */
+function logOf(id) {
+  const lines = page.log.get(id) ?? [];
+  return element('section', {}, element('h3', {}, lines.length ? 'What happened here' : 'Nothing has happened here since the page was opened'),
+    element('ul', {}, ...lines.map((line) => element('li', {}, line))));
 }
 
 const nameOf = (id) => page.ring.nodes.find((node) => node.id === id)?.name ?? String(id ?? '-');
@@ -106,6 +114,7 @@ const take = {
   ring(message) {
     page.ring = message;
     page.status = null;
+    page.log.clear();
     document.title = `${message.ring} - limb_ring`;
     strip.setRing(message);
     graphs.setRing(message);
@@ -127,6 +136,7 @@ const take = {
     if (!page.ring) return;
     const node = message.node != null ? nameOf(message.node) + ': ' : '';
     by('events').prepend(element('li', {}, `${timeText(message.time_ns)}  ${node}${message.text}`));
+    if (message.node != null) page.log.set(message.node, [`${timeText(message.time_ns)}  ${message.text}`, ...page.log.get(message.node) ?? []].slice(0, most_of_node));
     while (by('events').children.length > most_events) by('events').lastChild.remove();
   },
   flow(message) { picture.flow(message); },

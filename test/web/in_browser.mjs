@@ -25,6 +25,7 @@ const all = {
     await page.locator('svg .break.seen text', { hasText: 'cut' }).waitFor();
     await headline(/open chain|broken/i);
     await page.locator('#events li', { hasText: 'open_chain' }).first().waitFor();
+    await page.locator('#details li', { hasText: 'up -> open_chain' }).first().waitFor();
     await page.locator('#details button', { hasText: 'Mend line to node3' }).click();
     await headline('5 of 5 nodes up');
     await page.locator('svg .break.seen').waitFor({ state: 'detached' });
