@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { bytesText, countersMoved, History, layout, lineCondition, lineOrder, loadText, nodeCondition, number, shortened, timeText } from '../../web/model.mjs';
-import { barsOf, linesPicture, statesOf, statesPicture } from '../../web/pictures.mjs';
+import { barsOf, linesPicture } from '../../web/playground/pictures.mjs';
 import { periodFor, readAddress, usual, writeAddress } from '../../web/playground/tab.mjs';
 
 const up = (row = {}) => ({ id: 1, state: 'up', cpu: 'running', to: 2, faults: [], load: 0.1, ...row });
@@ -99,24 +99,13 @@ test('a history keeps its seconds, and begins anew when the clock does', () => {
   assert.deepEqual(history.range(2), [4, 6]);
 });
 
-test('a node is in each of its states for as long as its events say, and what is no state is a mark', () => {
-  const { spans, happened } = statesOf(['a', 'b'], [[0, 0, 'starting -> joining'], [0, 1, 'starting -> joining'], [5, 0, 'joining -> up'], [7, 1, 'killed']], 10);
-  assert.deepEqual(spans[0], [{ state: 'joining', begins: 0, ends: 5 }, { state: 'up', begins: 5, ends: 10 }]);
-  assert.deepEqual(spans[1].map((span) => span.state), ['joining', 'down']);
-  assert.deepEqual(happened, [{ node: 1, at: 7, text: 'killed' }]);
-});
-
-test('names in a picture are text, whatever they are made of', () => {
-  const picture = statesPicture(['<b>&"'], [[0, 0, 'joining -> up']], 10);
-  assert.ok(picture.includes('&lt;b&gt;&amp;&quot;') && !picture.includes('<b>'));
-});
-
 test('packets of a timeline are bars on their lines, interrupts marks, our own stand out', () => {
   const event = (ph, tid, ts, name, channel = 'user') => ({ ph, pid: 1, tid, ts, dur: 2, name, args: { channel } });
   const shown = barsOf({ traceEvents: [{ ph: 'M', pid: 1, tid: 7, name: 'thread_name', args: { name: 'a -> b' } }, event('X', 7, 1, 'a -> c'), event('i', 7, 2, 'INT0 b -> a')] });
   assert.deepEqual(shown.lines, ['a -> b']);
   assert.deepEqual(shown.bars.map((bar) => bar.kind), ['data', 'interrupt']);
   const picture = linesPicture(shown, { from: 0, until: 10, own: 'a', bound: 5 });
+  assert.ok(!linesPicture({ lines: ['<b>'], bars: [] }, { from: 0, until: 1 }).includes('<b>'), 'a name is text');
   assert.ok(picture.includes('class="own"') && picture.includes('class="bound"') && picture.includes('class="interrupt"'));
 });
 

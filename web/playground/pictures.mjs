@@ -1,6 +1,6 @@
-// Pictures as text of SVG, for a page or a file: packets on lines, nodes by their states. Times are those of the ring.
-import { number } from './model.mjs';
+// A picture as text of SVG: packets on lines. Times are those of the ring.
 
+const number = (value) => String(+value.toPrecision(5));
 const escaped = (text) => String(text).replace(/[&<>"]/g, (one) => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' })[one]);
 const left = 120, row = 20, axis = 26;
 
@@ -45,43 +45,4 @@ export function linesPicture(shown, { from, until, own, bound, width = 900 }) {
   }
   if (bound != null) parts.push(`<path class="bound" d="M${us(from + bound).toFixed(1)} 0V${height}"/>`);
   return svg(left + width + 20, height + axis, 'Packets on each line', parts);
-}
-
-const kinds = { up: 'good', open_chain: 'warn', folded: 'warn', starting: 'off', joining: 'off', alone: 'warn', duplicate_id: 'bad', down: 'off', frozen: 'off' };
-
-/**
- * When each node was in which state.
- * @param names of the nodes @param states [[ns, node, "joining -> up" or what happened] ...] in order of time
- * @return [[{state, begins, ends}] ...] in ns, by node, and what happened [{node, at, text}]
- */
-export function statesOf(names, states, lasted) {
-  const spans = names.map(() => []), happened = [];
-  const change = (node, state, at) => {
-    if (spans[node].length) spans[node].at(-1).ends = at;
-    spans[node].push({ state, begins: at, ends: lasted });
-  };
-  for (const [at, node, what] of states) {
-    const to = / -> (\w+)$/.exec(what);
-    if (to) change(node, to[1], at);
-    else if (what === 'killed' || what === 'frozen') change(node, what === 'killed' ? 'down' : 'frozen', at);
-    if (!to) happened.push({ node, at, text: what });
-  }
-  return { spans: spans.map((of) => of.filter((span) => span.ends > span.begins)), happened };
-}
-
-/** A row for each node: its states as bars with their words, and what happened to it as marks. */
-export function statesPicture(names, states, lasted, width = 900) {
-  const { spans, happened } = statesOf(names, states, lasted), height = names.length * row, ms = (ns) => left + (width * ns) / lasted;
-  const parts = scale(width, height, lasted / 1e6, 'ms');
-  names.forEach((name, i) => {
-    parts.push(`<text class="row" x="${left - 6}" y="${i * row + 14}">${escaped(name)}</text>`);
-    for (const { state, begins, ends } of spans[i]) {
-      const x = ms(begins), wide = Math.max(1, ms(ends) - x);
-      parts.push(`<rect class="state ${kinds[state] ?? 'off'}" x="${x.toFixed(1)}" y="${i * row + 2}" width="${wide.toFixed(1)}" height="${row - 4}"><title>${escaped(names[i])}: ${state}, ${number(begins / 1e6)} to ${number(ends / 1e6)} ms</title></rect>`);
-      if (wide > 8 * state.length) parts.push(`<text class="state" x="${(x + 4).toFixed(1)}" y="${i * row + 14}">${state}</text>`);
-    }
-  });
-  for (const { node, at, text } of happened)
-    parts.push(`<path class="interrupt" d="M${ms(at).toFixed(1)} ${node * row + 3}l4 7l-4 7l-4 -7Z"><title>${escaped(names[node])}, ${number(at / 1e6)} ms: ${escaped(text)}</title></path>`);
-  return svg(left + width + 20, height + axis, 'Nodes by state', parts);
 }

@@ -20,6 +20,7 @@
 #include "sim/scenario_report.h"
 #include "sim/scenario_run.h"
 #include "study/cases.h"
+#include "tools/common/picture_page.h"
 #include "tools/common/timeline.h"
 #include "wire/pcapng.h"
 
@@ -392,22 +393,18 @@ json run_case(const json& request) {
 }
 
 /// {"path", "text": YAML, "seed"}: a ring's file is looked for beside it, among those of `file`.
-/// @return {"report": as `ringctl scenario run` prints, "as_expected", "states": [[ns, node, what] ...]}
+/// @return {"report": as `ringctl scenario run` prints, "as_expected", "picture": SVG of its nodes by state}
 json run_scenario(const json& request) {
   const scenario::Scenario scenario = scenario::parse_scenario(request.at("text"), request.at("path"));
   std::stringstream capture;
   const auto run = scenario::run_scenario(scenario, request.value("seed", scenario.seed), &capture);
-  json states = json::array(), names = json::array();
+  std::vector<capture::CapturedEvent> events;
   capture::PcapngReader reader(capture, "the run");
   while (const auto record = reader.next())
-    if (const auto* event = std::get_if<capture::CapturedEvent>(&*record))
-      states.push_back(json::array({event->time_ns, +event->node, event->what}));
-  for (const auto& node : scenario.ring.nodes) names.push_back(node.name);
+    if (const auto* event = std::get_if<capture::CapturedEvent>(&*record)) events.push_back(*event);
   return {{"report", text_of(run)},
           {"as_expected", !run.unmet},
-          {"names", names},
-          {"states", states},
-          {"lasted_ns", run.lasted.count()}};
+          {"picture", app::states_picture(reader.names(), events, run.lasted)}};
 }
 
 json write_file(const json& request) {

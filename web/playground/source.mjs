@@ -1,7 +1,7 @@
 // The page's ring, inside the page: the simulator as WebAssembly. Time goes on while the page is drawn, at the pace that is
 // chosen; what is shown stands in the address, so that it can be sent to somebody.
 import { number } from './model.mjs';
-import { barsOf, linesPicture, statesPicture } from './pictures.mjs';
+import { barsOf, linesPicture } from './pictures.mjs';
 import { LineStrip, periodFor, readAddress, simulator, usual, writeAddress } from './tab.mjs';
 
 const by = (id) => document.getElementById(id);
@@ -208,5 +208,5 @@ function runScenario() {
   by('scenario-report').textContent = answer.error ?? answer.report;
   by('scenario-verdict').textContent = answer.error ? '✕ not run' : answer.as_expected ? '✓ as expected' : '✕ not as expected';
   by('scenario-verdict').className = answer.as_expected ? 'good' : 'bad';
-  by('scenario-picture').innerHTML = answer.error ? '' : statesPicture(answer.names, answer.states, answer.lasted_ns);
+  by('scenario-picture').innerHTML = answer.picture ?? '';
 }

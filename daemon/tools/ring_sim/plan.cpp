@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -10,6 +11,8 @@
 #include "config/quantity.h"
 #include "study/plan.h"
 #include "study/traffic_run.h"
+#include "tools/common/command_line.h"
+#include "tools/common/picture_page.h"
 #include "tools/common/ring_file.h"
 #include "tools/common/text_table.h"
 #include "tools/ring_sim/command_line.h"
@@ -26,6 +29,7 @@ struct PlanOptions {
   bool simulate = false;
   std::string duration = kSimulated;
   std::uint64_t seed = 1;
+  std::string html;
   app::Format format = app::Format::text;
 };
 
@@ -89,8 +93,37 @@ std::string text_of(const PlanReport& report, const PlanOptions& options) {
   return text + study::verdict(report.ring, report.plan);
 }
 
+std::vector<app::StreamLatencies> pictures_of(const PlanReport& report) {
+  std::vector<app::StreamLatencies> streams;
+  for (std::size_t s = 0; s < report.streams.size(); ++s) {
+    // When a beacon is asked for is not to be seen: it counts from its first byte, until it is home.
+    const bool beacon = report.streams[s].beacon;
+    const study::Latencies& of = beacon ? report.runs[s].confirmed : report.runs[s].delivered;
+    const auto& bound = beacon ? report.plan.streams[s].confirmed : report.plan.streams[s].delivered;
+    streams.push_back({report.streams[s].name + (beacon ? ", until it is home" : ""), {}, {}});
+    for (const core::Duration one : of.values()) streams.back().latencies.push_back(study::microseconds(one));
+    if (bound) streams.back().bound = study::microseconds(*bound);
+  }
+  return streams;
+}
+
+void write_pictures(std::ofstream& file, const PlanReport& report, const PlanOptions& options) {
+  write_latencies(file, report.ring.ring + ": latencies against their bounds",
+                  "Simulated " + options.duration + " with seed " + std::to_string(report.seed) +
+                      ", from the request of the CPU until all of a message is delivered. The dashed line is the worst "
+                      "that 'ring_sim plan' computes.",
+                  pictures_of(report));
+  const std::string problem = cli::finish_writing(file, options.html);
+  if (!problem.empty()) throw std::runtime_error(problem);
+}
+
 int run(const PlanOptions& options) {
+  std::ofstream html;
+  if (!options.html.empty())
+    if (const std::string problem = app::open_for_writing(html, options.html); !problem.empty())
+      throw UsageError("--html " + problem);
   const PlanReport report = make_report(options);
+  if (html.is_open()) write_pictures(html, report, options);
   if (options.format == app::Format::text) std::cout << text_of(report, options);
   if (options.format == app::Format::json) std::cout << plan_object(report).dump(2) << '\n';
   if (options.format == app::Format::csv) std::cout << app::format_rows(stream_rows(report), options.format);
@@ -119,10 +152,14 @@ void add_plan(CLI::App& app, Context& context) {
       ->expected(0, 1)
       ->default_str(kSimulated)
       ->check(CLI::Validator(check_duration, ""));
+  command->add_option("--html", options->html,
+                      "With --simulate, write a page there: a histogram of each stream, its bound a line");
   add_seed(*command, options->seed);
   add_format(*command, options->format);
   command->callback([&context, command, options] {
     context.action = [command, options] {
+      if (!options->html.empty() && !options->simulate)
+        throw UsageError("--html goes with --simulate: a plan without it measures nothing");
       if (command->count("--seed") != 0 && !options->simulate)
         throw UsageError("--seed goes with --simulate: a plan without it draws nothing at random");
       return run(*options);
