@@ -42,11 +42,15 @@ function facts(pairs) {
   return element('dl', {}, ...shown.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, String(value))]));
 }
 
-/** Puts parts into the details, and leaves the focus on the button that had it. */
+/** Puts parts into the details. What is as it was stays, so that a button keeps its focus, and a click that has begun. */
 function show(title, ...parts) {
-  const focused = document.activeElement?.dataset?.order;
-  by('details').replaceChildren(element('h2', {}, title), ...parts);
-  if (focused) [...by('details').querySelectorAll('button')].find((one) => one.dataset.order === focused)?.focus();
+  const fresh = [element('h2', {}, title), ...parts.filter((part) => part !== '')], shown = by('details');
+  fresh.forEach((part, i) => {
+    const was = shown.children[i];
+    if (!was) shown.append(part);
+    else if (!was.isEqualNode(part)) was.replaceWith(part);
+  });
+  while (shown.children.length > fresh.length) shown.lastElementChild.remove();
 }
 
 async function details() {
