@@ -88,15 +88,20 @@ void PinCommands::ended(Slot& slot, const process::ExitStatus& status) {
   slot.deadline.cancel();
   if (status.clean) return;
   ++counters_.failed;
-  spdlog::warn("command '{}' of a pin: {}", slot.name, status.text);
+  warn(slot, status.text);
 }
 
 void PinCommands::timed_out(Slot& slot) {
   // Ignores a handler that was queued for the previous command in this slot.
   if (!slot.child.running() || slot.deadline.expiry() > std::chrono::steady_clock::now()) return;
   ++counters_.timed_out;
-  spdlog::warn("command '{}' of a pin is killed: not done in {} ms", slot.name, deadline_.count());
+  warn(slot, "killed, since it was not done in " + std::to_string(deadline_.count()) + " ms");
   slot.child.signal_group(SIGKILL);
+}
+
+void PinCommands::warn(const Slot& slot, const std::string& what) {
+  const auto held_back = lines_.allow();
+  if (held_back) spdlog::warn("command '{}' of a pin: {}{}", slot.name, what, process::and_more(*held_back));
 }
 
 void PinCommands::stop() {

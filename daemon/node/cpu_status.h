@@ -14,6 +14,7 @@
 
 #include "io/child.h"
 #include "io/node_clock.h"
+#include "io/throttle.h"
 #include "wire/control_message.h"
 
 namespace limb_ring::runtime {
@@ -123,8 +124,10 @@ class PinCommands {
   void start(Slot& slot, const process::SpawnRequest& request);
   void ended(Slot& slot, const process::ExitStatus& status);
   void timed_out(Slot& slot);
+  void warn(const Slot& slot, const std::string& what);
 
   std::chrono::milliseconds deadline_;
+  process::Throttle lines_{std::chrono::seconds(1), 10};
   std::array<Slot, kAtOnce> slots_;
   Counters counters_;
   std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by queued handlers

@@ -41,8 +41,13 @@ void EventRouter::look_at_neighbours() {
   for (const std::string& text : to_.neighbours.look(look)) spdlog::warn("{}{}", to_.log_prefix, text);
 }
 
+void EventRouter::log(process::Throttle& lines, std::string_view what) const {
+  const auto held_back = lines.allow(to_.driver.clock().now());
+  if (held_back) spdlog::info("{}{}{}", to_.log_prefix, what, process::and_more(*held_back));
+}
+
 void EventRouter::on_link(std::string_view what) {
-  spdlog::info("{}{}", to_.log_prefix, what);
+  log(link_lines_, what);
   to_.observers.tell("link", {{"what", std::string(what)}});
 }
 
@@ -83,14 +88,14 @@ void EventRouter::handle(const core::PinPulled& pin) {
 
 void EventRouter::pull(std::uint8_t factor, std::uint8_t source, std::int64_t clock_ns) {
   const std::string done = to_.pins.pull(factor, source, clock_ns);
-  spdlog::info("{}{}", to_.log_prefix, done);
+  log(pin_lines_.at(factor), done);  // the event, below, tells of each
   to_.observers.tell("pin", {{"factor", factor}, {"source", source}, {"what", done}});
 }
 
 void EventRouter::handle(const core::StateChanged& change) {
   const auto& membership = to_.driver.controller().membership();
-  spdlog::info("{}{} -> {}, ring size {}", to_.log_prefix, to_string(change.before), to_string(change.after),
-               membership.ring_size());
+  log(state_lines_,
+      fmt::format("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size()));
   const auto line = membership.broken_line();
   nlohmann::json broken;
   if (line) broken = {{"before", std::uint8_t{line->before}}, {"behind", std::uint8_t{line->behind}}};

@@ -14,6 +14,7 @@
 #include "config/watchdog.h"
 #include "core/counters.h"
 #include "core/time.h"
+#include "io/throttle.h"
 #include "judge/percentiles.h"
 #include "node/cpu_socket.h"
 #include "node/faults.h"
@@ -195,8 +196,15 @@ class EventRouter final : public DriverListener {
   void handle(const core::BeaconHome& beacon) { to_.round_trips.add(to_.driver.now(), beacon.round_trip); }
   void tell_client(host::ClientId client, const core::SendEnded& ended);
   void look_at_neighbours();
+  void log(process::Throttle& lines, std::string_view what) const;
 
   Receivers to_;
+  struct Lines : process::Throttle {
+    Lines() : Throttle(std::chrono::seconds(1), 20) {}
+  };
+  // A neighbour that calls, or comes and goes, without end fills no log.
+  std::array<Lines, config::kPins> pin_lines_;
+  Lines link_lines_, state_lines_;
   std::uint32_t cpu_boots_ = 0;
 };
 

@@ -1,7 +1,10 @@
 """Interrupt packets pull real pins."""
 
+import math
 import os
+import re
 import signal
+import time
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -69,6 +72,27 @@ class Pins(RingTest):
         self.ctl_json('interrupt', '--from', 0, '--to', 1, 5)
         self.assertEqual(self.wait_exit(cpu), -signal.SIGUSR1)
         self.wait_cpu(1, 'absent')
+
+    def test_a_node_that_is_called_without_end_has_each_counted_and_few_in_its_log(self):
+        nodes = plain_nodes(2)
+        nodes[1]['pins'] = {'5': {'exec': ['false']}, '6': {'exec': ['no_such_command']}, '7': 'notify'}
+        daemons = self.start_ring(nodes)
+        caller = self.port(0)
+        before = time.monotonic()
+        for _ in range(300):
+            for pin in (5, 6, 7):
+                caller.wait(caller.interrupt(1, pin))
+        counters = self.counters(1)
+        self.assertEqual(counters['pins_pulled'], 900)
+        self.assertGreaterEqual(counters['pin_commands_refused'], 300)
+        self.assertGreater(counters['pin_commands_failed'], 0)
+        spoken = [line for line in self.log_of(daemons[1]).splitlines() if 'INT' in line or 'of a pin' in line]
+        # Of each pin 20 lines a second, and 10 of commands.
+        self.assertLessEqual(len(spoken), (3 * 20 + 10) * (math.ceil(time.monotonic() - before) + 1))
+        time_passes = time.monotonic() + 1
+        self.wait('the next second', lambda: time.monotonic() > time_passes)
+        caller.wait(caller.interrupt(1, 6))
+        self.wait('the others told of', lambda: re.search(r'INT6 .*; \d+ more since the last such line', self.log_of(daemons[1])))
 
     def test_exec_pin_runs_its_command(self):
         mark = os.path.join(self.folder, 'mark')
