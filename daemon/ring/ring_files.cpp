@@ -1,6 +1,7 @@
 #include "ring/ring_files.h"
 
 #include <fcntl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -193,15 +194,31 @@ bool is_read(const fs::path& file) {
 
 }  // namespace
 
-Holder holder_of(const std::string& folder, std::uint8_t node) {
-  const fs::path lock = fs::path(folder) / (std::to_string(node) + ".lock");
+namespace {
+
+std::string lock_file(const std::string& folder, std::uint8_t node) {
+  return folder + "/" + std::to_string(node) + ".lock";
+}
+
+/// What the lock file told of a daemon that lives, though that was removed.
+Holder listener_of(const std::string& folder, std::uint8_t node) {
   Holder holder;
-  if (!why_not_private(folder).empty()) return holder;
-  const process::UniqueFd file = process::open_regular(lock);
-  if (!file.valid()) {
-    holder.problem = why_untold(lock, errno);
-    return holder;
-  }
+  holder.pid = listening_at(folder + "/" + std::to_string(node) + ".host");
+  if (holder.pid <= 0) return {};
+  const std::string process = "/proc/" + std::to_string(holder.pid);
+  std::error_code unknown;
+  holder.program = fs::read_symlink(process + "/exe", unknown).string();
+  holder.folder = fs::read_symlink(process + "/cwd", unknown).string();
+  std::ifstream command(process + "/cmdline");
+  std::string called;
+  std::getline(command, called, '\0');
+  holder.arguments = rest_of(command);
+  return holder;
+}
+
+/// What the file tells; all but whether its holder lives.
+Holder told_by(const process::UniqueFd& file) {
+  Holder holder;
   std::istringstream text(process::text_of(file));
   std::string pid;
   std::getline(text, pid);
@@ -212,7 +229,19 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
     holder.arguments.erase(holder.arguments.begin());
   }
   holder.pid = pid_in(pid);
-  const bool lives = is_held(file);
+  return holder;
+}
+
+}  // namespace
+
+Holder holder_of(const std::string& folder, std::uint8_t node) {
+  if (!why_not_private(folder).empty()) return {};
+  const std::string lock = lock_file(folder, node);
+  const process::UniqueFd file = process::open_regular(lock);
+  const std::string untold = file.valid() ? "" : why_untold(lock, errno);
+  Holder holder = file.valid() ? told_by(file) : untold.empty() ? listener_of(folder, node) : Holder{};
+  holder.problem = untold;
+  const bool lives = file.valid() ? is_held(file) : holder.pid > 0;
   // Another process has that pid: it must not be signalled.
   if (lives && !may_be(holder.pid, holder)) holder.pid = -1;
   holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
@@ -220,6 +249,15 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   holder.held = lives && fault != fault::word_of(fault::Name::kill).word;
   holder.frozen = holder.held && (fault == fault::word_of(fault::Name::freeze).word || process::is_stopped(holder.pid));
   return holder;
+}
+
+void keep_holder(const std::string& folder, std::uint8_t node, const Holder& holder) {
+  const process::UniqueFd file = process::open_regular(lock_file(folder, node), O_WRONLY | O_CREAT | O_EXCL);
+  if (!file.valid()) return;
+  std::string text = std::to_string(holder.pid) + '\n';
+  for (const std::string* word : {&holder.program, &holder.folder}) text += *word + '\0';
+  for (const std::string& argument : holder.arguments) text += argument + '\0';
+  (void)!::write(file.get(), text.data(), text.size());
 }
 
 std::optional<std::uint64_t> last_boot(const std::string& folder, std::uint8_t node) {

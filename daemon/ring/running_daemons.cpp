@@ -186,6 +186,7 @@ void RunningDaemons::signal(wire::NodeId id, int number) const {
 void RunningDaemons::kill(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::kill, id)) return;
   const pid_t pid = pid_here(id);
+  keep_holder(folder_, std::uint8_t{id}, holder(id));
   const std::string problem = write_killed(folder_, id, pid);
   if (!problem.empty()) throw NotDone("node " + node(id).name + ": " + problem);
   signal(id, SIGKILL);

@@ -31,6 +31,18 @@ class Nodes(FaultTest):
         self.assertEqual(self.listed(), {})
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
 
+    def test_a_node_whose_lock_file_was_removed_is_killed_and_started_again_all_the_same(self):
+        daemons = self.start_ring(plain_nodes(3))
+        daemons[1].send_signal(signal.SIGSTOP)  # it would make the file again within a second
+        self.wait('node 1 stopped', lambda: process_state(daemons[1].pid) == 'T')
+        os.remove(os.path.join(self.ring_folder(), '1.lock'))
+        self.assertEqual(self.begin('kill', 'node1'), ['node1.kill'])
+        self.assertTrue(is_gone(daemons[1].pid))
+        self.wait_closed([0, 2])
+        self.fault('start', 'node1')
+        self.wait_closed(range(3))
+        self.assertEqual(self.listed(), {})
+
     def test_a_node_that_cannot_be_started_is_told_at_once_with_its_last_words(self):
         self.start_ring(plain_nodes(3))
         self.begin('kill', 'node2')
