@@ -104,7 +104,10 @@ void JointDataOut::take_reading(const Packet& packet) {
     return refuse(packet.source, "joint_packets_malformed",
                   std::string("joint data of it cannot be read: ") + payload::to_string(reading.error()));
   const auto from = sampled_.find(packet.source);
-  if (from == sampled_.end()) return counters_.lose("joint_packets_unfit");
+  if (from == sampled_.end())
+    return refuse(packet.source, "joint_packets_unfit",
+                  std::string("it sends a reading of ") + kind_words(reading->kind) +
+                      ", and the ring's file gives it neither joints nor sensors");
   auto& sensors = from->second.sensors;
   if (reading->sensor >= sensors.size() || !is_kind(reading->kind, sensors[reading->sensor].kind))
     return refuse(packet.source, "joint_packets_unfit",

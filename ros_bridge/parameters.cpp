@@ -107,10 +107,20 @@ std::string word_parameter(const ros::NodeHandle& own, const std::string& name, 
   return given;
 }
 
+/// As its CPU the bridge drives no joint and reads no sensor: what is given to it would be missed for ever.
+const config::NodeConfig& without_joints(const config::NodeConfig& node, const std::string& path) {
+  if (node.cpu.kind == CpuKind::attached && (!node.joints.empty() || !node.sensors.empty()))
+    throw std::invalid_argument(
+        "node '" + node.name + "' of " + path + " has " +
+        (node.joints.empty() ? "sensor '" + node.sensors[0].name : "joint '" + node.joints[0].name) +
+        "', and ring_bridge is its CPU, which drives no joint and reads no sensor; give it to a node with firmware");
+  return node;
+}
+
 }  // namespace
 
 const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std::string& named) {
-  if (named.empty()) return config::body_of(ring);
+  if (named.empty()) return without_joints(config::body_of(ring), ring.path);
   const config::NodeConfig* chosen = ring.find(named);
   if (!chosen)
     throw std::invalid_argument("parameter ~node: no node '" + named + "' in " + ring.path +
@@ -121,7 +131,7 @@ const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std:
   if (chosen->cpu.kind == CpuKind::none)
     throw std::invalid_argument("parameter ~node: node '" + named + "' has 'cpu: none' in " + ring.path +
                                 "; nodes for a bridge: " + candidates(ring));
-  return *chosen;
+  return without_joints(*chosen, ring.path);
 }
 
 std::string config_parameter(const ros::NodeHandle& own) {
@@ -168,11 +178,6 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   parameters.daemon.ring = parameters.ring.ring;
   const std::string named = given_text(own, "node");
   const config::NodeConfig& node = bridge_node(parameters.ring, named);
-  if (node.cpu.kind == CpuKind::attached && (!node.joints.empty() || !node.sensors.empty()))
-    throw std::invalid_argument(
-        "node '" + node.name + "' of " + parameters.ring.path + " has " +
-        (node.joints.empty() ? "sensor '" + node.sensors[0].name : "joint '" + node.joints[0].name) +
-        "', and ring_bridge is its CPU, which drives no joint and reads no sensor; give it to a node with firmware");
   parameters.daemon.node = node.name;
   parameters.daemon.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
   parameters.daemon.alive_period = kAlivePeriod;

@@ -42,6 +42,16 @@ TEST(BridgeNode, IsRefusedWithTheChoiceWhereItIsUnknownOrHasACpuOfItsOwn) {
   EXPECT_THAT(refusal(small_robot(), "knee"), HasSubstr("nodes for a bridge: body"));
 }
 
+TEST(BridgeNode, IsRefusedWhereItHasJointsOrSensorsOfWhichNothingWouldEverCome) {
+  auto ring = small_robot();
+  ring.nodes[0].sensors = {ring.nodes[2].sensors[0]};
+  EXPECT_THAT(refusal(ring, ""),
+              HasSubstr("node 'body' of small.yaml has sensor 'hip_imu', and ring_bridge is its CPU"));
+  EXPECT_THAT(refusal(ring, "body"), HasSubstr("give it to a node with firmware"));
+  ring.nodes[0].joints = {ring.nodes[1].joints[0]};
+  EXPECT_THAT(refusal(ring, ""), HasSubstr("has joint 'knee_pitch'"));
+}
+
 TEST(Parameter, IsWhatWasGivenElseTheUsual) {
   using XmlRpc::XmlRpcValue;
   EXPECT_EQ(text_parameter("node", XmlRpcValue("head")), "head");

@@ -49,7 +49,7 @@ target_include_directories(walking_recording_test PRIVATE ${PROJECT_SOURCE_DIR}/
 target_link_libraries(walking_recording_test PRIVATE limb_ring_bridge gmock gtest)
 
 ring_rostest(launch_arguments 660)
-ring_rostest(own_firmware 180)
+ring_rostest(own_firmware 280)
 ring_rostest(own_rings 300)
 ring_rostest(two_robots 300)
 ring_rostest(play_bag 420)
