@@ -6,16 +6,20 @@
 #include <sensor_msgs/JointState.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 /// Until the ring is closed, all joints are heard and the first commands are obeyed.
-constexpr double kSettling = 2;
+constexpr std::chrono::seconds kSettling{2};
 
 /// From one ring_status to another, each what the ring's nodes knew in that instant: how long that is, and what they
 /// counted meanwhile.
@@ -24,7 +28,7 @@ class StatusSpan {
   /// @param seconds it is so long at least
   explicit StatusSpan(double seconds) : seconds_(seconds) {}
 
-  void take(const limb_ring::RingStatus& status, ros::WallTime now) {
+  void take(const limb_ring::RingStatus& status, Clock::time_point now) {
     if (done()) return;
     last_ = counts_of(status);
     if (!begun()) {
@@ -34,9 +38,9 @@ class StatusSpan {
     ended_ = now;
   }
 
-  bool begun() const { return !begun_.isZero(); }
+  bool begun() const { return begun_.has_value(); }
   bool done() const { return begun() && seconds() >= seconds_; }
-  double seconds() const { return (ended_ - begun_).toSec(); }
+  double seconds() const { return std::chrono::duration<double>(ended_ - begun_.value_or(ended_)).count(); }
   /// Joint states that the nodes' CPUs sent, and of those the ones that did not come.
   std::uint64_t samples() const { return last_.received - first_.received + left_out(); }
   std::uint64_t left_out() const { return last_.missing - first_.missing; }
@@ -71,7 +75,8 @@ class StatusSpan {
   }
 
   double seconds_;
-  ros::WallTime begun_, ended_;
+  std::optional<Clock::time_point> begun_;
+  Clock::time_point ended_;
   Counts first_, last_;
 };
 
@@ -82,7 +87,7 @@ class OwnRateEnds {
     const auto no_delay = ros::TransportHints().tcpNoDelay();
     states_ = nodes_.subscribe("joint_states", 1000, &OwnRateEnds::on_states, this, no_delay);
     status_ = nodes_.subscribe("ring_status", 10, &OwnRateEnds::on_status, this, no_delay);
-    timer_ = nodes_.createWallTimer(ros::WallDuration(1 / rate), &OwnRateEnds::command, this);
+    timer_ = nodes_.createSteadyTimer(ros::WallDuration(1 / rate), &OwnRateEnds::command, this);
   }
 
   bool done() const { return span_.done(); }
@@ -96,7 +101,7 @@ class OwnRateEnds {
   }
 
  private:
-  void command(const ros::WallTimerEvent&) {
+  void command(const ros::SteadyTimerEvent&) {
     if (pose_.name.empty()) return;
     const auto now = ros::WallTime::now();
     pose_.header.stamp = ros::Time(now.sec, now.nsec);
@@ -112,18 +117,18 @@ class OwnRateEnds {
   }
 
   void on_status(const limb_ring::RingStatus::ConstPtr& status) {
-    const ros::WallTime now = ros::WallTime::now();
+    const Clock::time_point now = Clock::now();
     if (pose_.name.empty() || !status->silent_joints.empty()) return;
-    if (settled_.isZero()) settled_ = now + ros::WallDuration(kSettling);
-    if (now >= settled_) span_.take(*status, now);
+    if (!settled_) settled_ = now + kSettling;
+    if (now >= *settled_) span_.take(*status, now);
   }
 
   ros::NodeHandle nodes_;
   ros::Publisher commands_;
   ros::Subscriber states_, status_;
-  ros::WallTimer timer_;
+  ros::SteadyTimer timer_;
   sensor_msgs::JointState pose_;
-  ros::WallTime settled_;
+  std::optional<Clock::time_point> settled_;
   StatusSpan span_;
   std::uint64_t counted_ = 0;
 };

@@ -24,7 +24,7 @@ class ChainEnds {
     message_.data.resize(size);
     publisher_ = node_.advertise<std_msgs::UInt8MultiArray>(first, 10);
     subscriber_ = node_.subscribe(last, 10, &ChainEnds::on_message, this, ros::TransportHints().tcpNoDelay());
-    knocking_ = node_.createWallTimer(ros::WallDuration(0.1), &ChainEnds::knock, this);
+    knocking_ = node_.createSteadyTimer(ros::WallDuration(0.1), &ChainEnds::knock, this);
   }
 
   bool done() const { return done_; }
@@ -45,7 +45,7 @@ class ChainEnds {
   }
 
   // A relay connects to the next one only when a first message has come, so we publish until one has passed all.
-  void knock(const ros::WallTimerEvent&) {
+  void knock(const ros::SteadyTimerEvent&) {
     if (!running_ || Samples::Clock::now() - sent_ > std::chrono::seconds(1)) publish();
   }
 
@@ -65,7 +65,7 @@ class ChainEnds {
   ros::NodeHandle node_;
   ros::Publisher publisher_;
   ros::Subscriber subscriber_;
-  ros::WallTimer knocking_;
+  ros::SteadyTimer knocking_;
   Samples::Clock::time_point sent_;
   std::uint32_t number_ = 0;
   bool running_ = false;
