@@ -69,8 +69,8 @@ struct Holder {
   bool on_virtual_ring = false;        ///< one process lives that has all nodes of the ring, this one perhaps killed
 };
 
-/// Reads the lock file of one node in a ring's folder, and on a virtual ring its note (node_notes.h). Where the file was
-/// removed, whoever listens at the node's host port is its daemon, which makes the file again within a second. All
+/// Reads the lock file of one node in a ring's folder, and on a virtual ring its note (node_notes.h). Where the file
+/// was removed, whoever listens at the node's host port is its daemon, which makes the file again within a second. All
 /// fields are empty where there never was a daemon.
 Holder holder_of(const std::string& folder, std::uint8_t node);
 /// Writes that file where it was removed, so that the daemon can be started again when it is dead.
