@@ -134,7 +134,7 @@ class Accounts(unittest.TestCase):
         self.assertEqual([dead.concerns(*way) for way in ((2, 1), (1, 2), (1, 3))], [True, True, False])
 
     def test_lost_by_others_is_what_neither_was_confirmed_nor_came(self):
-        ring = types.SimpleNamespace(nodes=range(4), child_nodes=[])
+        ring = types.SimpleNamespace(nodes=range(4), ours=range(4), foreign=[], child_nodes=[])
         traffic = Traffic(Loop(), ring, seed=1, rate=1, targets=ring.nodes)
         dead = faults.Dead(None, 3)
         for number, (to, outcome) in enumerate([(1, 'lost'), (1, 'delivered'), (1, 'unconfirmed'), (3, 'lost')]):
@@ -232,7 +232,7 @@ class Program(unittest.TestCase):
         self.assertIn('--seed 4', said)
 
     def test_events_that_were_left_out_end_the_run(self):
-        watch = Watch(types.SimpleNamespace(turns=[]), types.SimpleNamespace(nodes=[0, 1]))
+        watch = Watch(types.SimpleNamespace(turns=[]), types.SimpleNamespace(ours=[0, 1]))
         lost = types.SimpleNamespace(count=3)
         with unittest.mock.patch('live_ring.watch.ObservedLost', types.SimpleNamespace):
             self.assertRaisesRegex(RingFailed, '3 events of node 1 ', watch.handle, 1, lost)
