@@ -68,7 +68,9 @@ TEST(FaultWords, EndWhatLastsAndKnowAllThatEndsIt) {
     if (word.of == Of::line) continue;
     EXPECT_EQ((word.keys & kFor) != 0, word.ended_by != 0) << word.word;
     EXPECT_EQ(word.to_cpu != ToCpu::nothing, word.of == Of::cpu) << word.word;
-    if (word.ended_by != 0) EXPECT_EQ(word.ended_by & kPowerOff, kPowerOff) << word.word;
+    if (word.ended_by != 0) {
+      EXPECT_EQ(word.ended_by & kPowerOff, kPowerOff) << word.word;
+    }
   }
 }
 
