@@ -186,14 +186,16 @@ void RunningDaemons::signal(wire::NodeId id, int number) const {
 void RunningDaemons::kill(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::kill, id)) return;
   const pid_t pid = pid_here(id);
-  keep_holder(folder_, std::uint8_t{id}, holder(id));
+  const Holder last = holder(id);
   const std::string problem = write_killed(folder_, id, pid);
   if (!problem.empty()) throw NotDone("node " + node(id).name + ": " + problem);
   signal(id, SIGKILL);
   // Whatever restarts the process (systemd, 'ringctl up --respawn') may have started the next daemon, which then holds
   // the lock.
-  const auto gone = [&] { return process::is_gone(pid) || holder(id).pid != pid; };
+  const auto is_replaced = [&](pid_t now) { return now > 0 && now != pid; };
+  const auto gone = [&] { return process::is_gone(pid) || is_replaced(holder(id).pid); };
   if (!wait_for(gone, kSignalled)) throw NotDone("node " + node(id).name + " does not die");
+  keep_holder(folder_, std::uint8_t{id}, last);
 }
 
 void RunningDaemons::freeze(wire::NodeId id) const {
