@@ -104,16 +104,12 @@ void JointDataOut::take_reading(const Packet& packet) {
     return refuse(packet.source, "joint_packets_malformed",
                   std::string("joint data of it cannot be read: ") + payload::to_string(reading.error()));
   const auto from = sampled_.find(packet.source);
-  if (from == sampled_.end())
-    return refuse(packet.source, "joint_packets_unfit",
-                  std::string("it sends a reading of ") + kind_words(reading->kind) +
-                      ", and the ring's file gives it neither joints nor sensors");
-  auto& sensors = from->second.sensors;
-  if (reading->sensor >= sensors.size() || !is_kind(reading->kind, sensors[reading->sensor].kind))
+  const std::size_t sensors = from == sampled_.end() ? 0 : from->second.sensors.size();
+  if (reading->sensor >= sensors || !is_kind(reading->kind, from->second.sensors[reading->sensor].kind))
     return refuse(packet.source, "joint_packets_unfit",
                   std::string("it sends a reading of ") + kind_words(reading->kind) + " as sensor " +
                       std::to_string(reading->sensor) + " (from 0), which the ring's file does not give it");
-  Sensor& sensor = sensors[reading->sensor];
+  Sensor& sensor = from->second.sensors[reading->sensor];
   {
     std::lock_guard<std::mutex> lock(mutex_);
     sensor.heard = port_.now();

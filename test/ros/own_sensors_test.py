@@ -44,7 +44,7 @@ class OwnSensors(unittest.TestCase):
         for node, packet, words in (
                 ('leg', JointState([JointState.Joint(), JointState.Joint()]), 'it sends the state of 2 joints'),
                 ('leg', self.reading(1, 'imu'), 'it sends a reading of an IMU as sensor 1 (from 0)'),
-                ('neck', self.reading(0, 'imu'), "it sends a reading of an IMU, and the ring's file gives it neither")):
+                ('neck', self.reading(0, 'imu'), 'it sends a reading of an IMU as sensor 0 (from 0)')):
             with self.subTest(words):
                 before = self.ring.counter('joint_packets_unfit')
                 port = self.cpu(node)
