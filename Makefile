@@ -119,8 +119,8 @@ CLOCK ?=
 REDUNDANCY ?= none
 LIVE_ARGS = $(if $(SEED),--seed $(SEED)) $(if $(TRANSPORT),--transport $(TRANSPORT)) $(if $(KEYED),--keyed) --redundancy $(REDUNDANCY) \
             --programs $(BUILD)/devel/lib/limb_ring
-chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=mixed KEYED=1 REDUNDANCY=foldback CLOCK=virtual)
-	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(if $(CLOCK),--clock $(CLOCK)) $(LIVE_ARGS)
+chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=mixed KEYED=1 REDUNDANCY=foldback CLOCK=virtual FOREIGN=1)
+	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(if $(CLOCK),--clock $(CLOCK)) $(if $(FOREIGN),--foreign) $(LIVE_ARGS)
 
 # What the ring does about each fault, in figures: COUNT times each.
 COUNT ?= 20

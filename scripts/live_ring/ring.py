@@ -136,7 +136,8 @@ class LiveRing:
         for node, daemon in self.daemons.items():
             if node not in self.killed and daemon.poll() is not None:
                 raise RingFailed('%s of node %d (pid %d) has ended by itself with %d; its last lines:\n%s' % (
-                    'tiny_node_udp' if node in self.foreign else 'ringd', node, daemon.pid, daemon.returncode, self.last_lines(node)))
+                    'tiny_node_udp' if node in self.foreign else 'ringd', node, daemon.pid,
+                    daemon.returncode, self.last_lines(node)))
 
     def last_lines(self, node, count=20):
         with open(self.daemons[node].log, errors='replace') as log:
