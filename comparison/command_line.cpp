@@ -36,7 +36,7 @@ void run(Options& options) {
 void add_options(CLI::App& app, Options& options) {
   app.footer(cli::footer("", "compare_networks --nodes 16 --payload 64",
                          "Exit code: 0 done\n"
-                         "  1 gnuplot is missing or fails, or a disk is full\n"
+                         "  1 gnuplot is missing or fails, a disk is full, or it was interrupted\n"
                          "  2 wrong arguments, or a folder that cannot be written"));
   ring_sim::add_medium(app, options.comparison.medium);
   ring_sim::add_seed(app, options.comparison.seed);

@@ -1,4 +1,3 @@
-
 #include "config/fault.h"
 
 namespace limb_ring::fault {

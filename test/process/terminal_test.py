@@ -233,17 +233,18 @@ class PlainWords(RingTest):
         self.assertIn('--to', self.ctl('help', 'send').stdout)
         self.assertIn('A:B', self.ctl('help', 'fault', 'cut').stdout)
 
-    def test_ring_sim_ends_with_one_by_ctrl_c_as_its_help_says(self):
-        plan = ['plan', os.path.join(ring_process.CONFIG, 'humanoid16.yaml'), '--simulate', '3600s']
-        for command in (plan, ['table']):
-            run = self.start('ring_sim', [program('ring_sim')] + command)
-            if command == ['table']:   # it says what it is at when it is nearly over
+    def test_what_computes_ends_with_one_by_ctrl_c_as_its_help_says(self):
+        plan = ['ring_sim', 'plan', os.path.join(ring_process.CONFIG, 'humanoid16.yaml'), '--simulate', '3600s']
+        table = ['ring_sim', 'table']
+        for command in (['compare_networks', '--nodes', '100'], plan, table):
+            run = self.start(command[0], [program(command[0])] + command[1:])
+            if command == table:   # it says what it is at when it is nearly over
                 self.wait('it catches Ctrl-C', lambda: catches(run, signal.SIGINT))
             else:
                 self.wait('it says what it is at', lambda: '...' in self.log_of(run))
             run.send_signal(signal.SIGINT)
             self.assertEqual(self.wait_exit(run), 1, command)
-            self.assertIn('ring_sim: interrupted', self.log_of(run))
+            self.assertIn(command[0] + ': interrupted', self.log_of(run))
 
 
 class EightyColumns(RingTest):

@@ -1,8 +1,11 @@
 #include "tools/common/command_line.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <iostream>
 #include <memory>
@@ -389,6 +392,23 @@ int code_with_output(const std::string& program, int code) {
   if (problem.empty()) return code;
   std::cerr << program << ": " << problem << '\n';
   return 1;
+}
+
+namespace {
+
+std::string interrupted;  // written before the handler is there, and not any more
+
+void end_interrupted(int) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, interrupted.data(), interrupted.size());
+  ::_exit(1);
+}
+
+}  // namespace
+
+void end_interrupted_with_one(const std::string& program) {
+  interrupted = program + ": interrupted\n";
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(number, end_interrupted) == SIG_IGN) std::signal(number, SIG_IGN);
 }
 
 }  // namespace limb_ring::cli

@@ -93,4 +93,8 @@ std::string finish_writing(std::ostream& out, const std::string& path);
 /// output could not take all that was written.
 int code_with_output(const std::string& program, int code);
 
+/// SIGINT, SIGTERM and SIGHUP end this process with 1 and "PROGRAM: interrupted" on standard error, wherever it is; one
+/// that is ignored, as by nohup, stays so. For programs that compute, and have nothing to put in order.
+void end_interrupted_with_one(const std::string& program);
+
 }  // namespace limb_ring::cli
