@@ -1,8 +1,13 @@
 """Daemons come, go, freeze, and the ring closes again by itself."""
 
+import fcntl
 import os
+import select
 import signal
+import struct
 import subprocess
+import termios
+import time
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -107,10 +112,20 @@ class Lifecycle(RingTest):
         self.ringd(config, 1)
         self.wait_closed([0, 1])
         port = self.port(1)
-        for _ in range(3000):  # a line each: far more than a pipe holds
-            self.assertEqual(port.wait(port.interrupt(0, 2)).outcome, 'delivered')
-        while 'lines left out' not in unread.stderr.readline().decode():
-            port.interrupt(0, 2)
+        pipe = unread.stderr.fileno()
+        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, 4096)
+        full = waiting = 0
+        while full < 40:  # turns of 0.05 s: some lines a second are let through, and for two seconds none had room
+            held = struct.unpack('i', fcntl.ioctl(pipe, termios.FIONREAD, b'    '))[0]
+            began = time.monotonic()
+            while time.monotonic() < began + 0.05:
+                self.assertEqual(port.wait(port.interrupt(0, 2)).outcome, 'delivered')
+            full, waiting = (full + 1 if held == waiting > 0 else 0), held
+        heard = b''
+        while b'left out: standard error was not read' not in heard:  # it is told before the next line
+            port.wait(port.interrupt(0, 2))
+            if select.select([pipe], [], [], 0.01)[0]:
+                heard += os.read(pipe, 4096)
         unread.terminate()
         self.assertEqual(self.wait_exit(unread), 0)
 

@@ -32,7 +32,8 @@ def files():
             continue
         if os.path.isfile(os.path.join(ROOT, top)):
             yield top
-        for folder, _, names in os.walk(os.path.join(ROOT, top)):
+        for folder, below, names in os.walk(os.path.join(ROOT, top)):
+            below[:] = [name for name in below if name != "node_modules"]  # those of others
             for name in sorted(names):
                 if os.path.splitext(name)[1] in TEXTS:
                     yield os.path.relpath(os.path.join(folder, name), ROOT)
