@@ -38,10 +38,10 @@ nlohmann::json checked(const HostPort& port, const std::string& text) {
 
 /// Connecting and the answer together take no longer than an answer may.
 Answer ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request, Deadline all_by) {
+  const auto begun = steady_clock::now(), deadline = std::min(all_by, begun + kAnswerTime);
+  if (deadline <= begun) return {std::nullopt, "it was not asked: no time was left"};
   if (live::is_frozen(ring_directory(ring), node.id)) return {};  // it would let us wait
   try {
-    const auto begun = steady_clock::now(), deadline = std::min(all_by, begun + kAnswerTime);
-    if (deadline <= begun) return {std::nullopt, "it was not asked: no time was left"};
     const auto time = std::chrono::ceil<milliseconds>(deadline - begun);
     HostPort port = connect_within(time, ring, std::to_string(node.id), Stay::asks_only);
     const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
