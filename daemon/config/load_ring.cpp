@@ -155,6 +155,18 @@ void check_common_pin(const Entry& file, const RingConfig& ring, PinConfig::Acti
   }
 }
 
+/// A library stands for the network controller of a node, which has no second line.
+void check_libraries(const Entry& file, const RingConfig& ring, Problems& problems) {
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
+    if (ring.nodes[n].library.empty()) continue;
+    const Entry node = element(file, "nodes", n);
+    if (ring.nodes[n].controller != NodeConfig::Controller::foreign)
+      node.note(problems, "its library would not be used: its controller is ringd", "controller: foreign beside it");
+    else if (ring.folds_back())
+      node.note(problems, "its library has one line, and this ring folds back", "redundancy: none");
+  }
+}
+
 /// Through shared memory a foreign node cannot be expected to speak. (protocol.md section 6.12)
 void check_foreign(const Entry& file, const RingConfig& ring, Problems& problems) {
   const std::size_t count = ring.nodes.size();
@@ -289,6 +301,7 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   check_common_pin(file, ring, PinConfig::Action::stop, "stop", problems);
   check_common_pin(file, ring, PinConfig::Action::sync, "sync", problems);
   check_foreign(file, ring, problems);
+  check_libraries(file, ring, problems);
   check_inputs(file, ring, problems);
   check_supervisor(file, ring, problems);
   check_topics(file, ring, problems);

@@ -119,6 +119,7 @@ struct NodeConfig {
   std::size_t host = 0;  ///< its place in RingConfig::hosts; 0 also where no hosts are given
   /// Whose network controller it is. foreign: somebody else's, which nobody here starts.
   enum class Controller { ringd, foreign } controller = Controller::ringd;
+  std::string library;  ///< foreign: its code on a virtual ring, a shared library, absolute; empty: none
   CpuConfig cpu;
   std::vector<JointConfig> joints;
   std::vector<SensorConfig> sensors;

@@ -155,18 +155,23 @@ void complete_joint(const Entry& entry, JointConfig& joint) {
 
 void complete_sensor(const Entry&, SensorConfig&) {}
 
+/// @return absolute; refused where there is no such file
+std::string read_file_beside(const Entry& entry, const char* rule) {
+  const auto folder = std::filesystem::absolute(entry.document().name).parent_path();
+  const std::string path = (folder / entry.text(rule)).lexically_normal().string();
+  if (std::error_code error; !std::filesystem::is_regular_file(path, error))
+    entry.refuse("there is no file " + path, rule);
+  return path;
+}
+
+constexpr const char* kFileRule = "a path, from the folder of this file, or absolute";
+
 Option<SensorConfig> csv_option() {
-  const char* rule = "a path, from the folder of this file, or absolute";
   return {
-      "csv", "made up from the node's joints", rule,
+      "csv", "made up from the node's joints", kFileRule,
       "limb_firmware plays this recording: rows of time in s, three linear and three angular values (m/s^2 and rad/s, "
       "or N and N m), with commas between them; from the beginning again after the last row.",
-      [rule](const Entry& entry, SensorConfig& sensor) {
-        const auto folder = std::filesystem::absolute(entry.document().name).parent_path();
-        sensor.csv = (folder / entry.text(rule)).lexically_normal().string();
-        if (std::error_code error; !std::filesystem::is_regular_file(sensor.csv, error))
-          entry.refuse("there is no file " + sensor.csv, rule);
-      }};
+      [](const Entry& entry, SensorConfig& sensor) { sensor.csv = read_file_beside(entry, kFileRule); }};
 }
 
 Option<NodeConfig> id_option() {
@@ -216,6 +221,10 @@ const Section<NodeConfig>& node_section() {
           "controller", &NodeConfig::controller, {"ringd", "foreign"},
           "foreign: the node is not ours, such as a board. `ringctl up` starts the others; 'ringctl wait up' waits "
           "for it, too. The links beside it are udp or unix."),
+      {"library", "none", kFileRule,
+       "Of a foreign node on a virtual ring: its code, a shared library with three functions, as 'ringctl conform "
+       "--library' takes it. Without one, a node of ours stands in for it there.",
+       [](const Entry& entry, NodeConfig& node) { node.library = read_file_beside(entry, kFileRule); }},
       {"cpu", "none", kAllowedCpus,
        "none: a built-in sink that counts. attached: an outside process connects, such as the "
        "bridge. command: ringd starts it.",

@@ -291,7 +291,9 @@ void Boots::expect_bridge(std::uint8_t node) {
 }
 
 bool Boots::is_bridge(std::uint8_t node) const {
-  return !config_.bridge.lockstep.empty() && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
+  const config::NodeConfig& config = *config_.find(node);
+  return !config_.bridge.lockstep.empty() && config.cpu.kind == config::CpuConfig::Kind::attached &&
+         config.library.empty();
 }
 
 // ---- who comes ------------------------------------------------------------------------------

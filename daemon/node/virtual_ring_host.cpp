@@ -62,6 +62,10 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
   for (const wire::NodeId id : ring_.order())
     ring_.set_cpu_reads(id, false);  // they are given what waits for them by their nodes
   for (const config::NodeConfig& node : ring.nodes) {
+    if (options_.libraries && !node.library.empty()) {
+      libraries_[node.id] = std::make_unique<LibraryNode>(ring_, ring, node);
+      continue;
+    }
     folders_[node.id] = std::make_shared<runtime::NodeFolder>(ring, node);
     add(node);
   }
@@ -72,6 +76,7 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
   port_.emplace(io, port_options(ring, folders_.begin()->second->path()), names,
                 RingRequests{[this](const fault::Fault& fault, auto done) { begin_at_nodes(fault, std::move(done)); },
                              steering_});
+  if (nodes_.empty()) throw std::runtime_error("all its nodes are foreign; a virtual ring has one of ours at least");
   ring_.on_event = [this](wire::NodeId id, const core::Event& event) {
     if (std::holds_alternative<core::PinPulled>(event.what)) lockstep_.has_news();
     drivers_[id]->on_event(event);
@@ -124,6 +129,7 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
 void VirtualRingHost::capture(std::ostream& out) { capture_.emplace(ring_, out, sim::names_of(config_)); }
 
 void VirtualRingHost::start() {
+  for (const auto& [id, library] : libraries_) library->switch_on();
   for (const auto& [id, node] : nodes_) node->start();
 }
 
@@ -160,6 +166,10 @@ void VirtualRingHost::begin(const fault::Fault& fault, const std::function<void(
     fault::Fault one = fault;
     one.nodes = {id};
     const auto node = nodes_.find(id);
+    if (library(id) != nullptr) {
+      done("node " + config_.find(id)->name + " is not ours: its code alone knows its CPU and its line");
+      continue;
+    }
     if (node == nodes_.end() || node_faults_->is_frozen(id)) {
       done("node " + config_.find(id)->name + (node == nodes_.end() ? " is dead" : " is frozen"));
       continue;
@@ -168,7 +178,13 @@ void VirtualRingHost::begin(const fault::Fault& fault, const std::function<void(
   }
 }
 
+LibraryNode* VirtualRingHost::library(wire::NodeId id) {
+  const auto found = libraries_.find(id);
+  return found == libraries_.end() ? nullptr : found->second.get();
+}
+
 void VirtualRingHost::off(wire::NodeId id) {
+  if (LibraryNode* foreign = library(id)) return foreign->switch_off();
   nodes_.at(id)->die();
   drivers_[id] = nullptr;
   nodes_.erase(id);
@@ -179,8 +195,10 @@ void VirtualRingHost::off(wire::NodeId id) {
 }
 
 std::string VirtualRingHost::on(wire::NodeId id) {
-  ring_.start(id);
+  LibraryNode* foreign = library(id);
+  if (!foreign) ring_.start(id);
   try {
+    if (foreign) return foreign->switch_on(), "";
     if (!folders_.at(id)->is_in_place()) folders_.at(id)->make_again();
     add(*config_.find(id));
   } catch (const std::exception& problem) {
@@ -195,6 +213,7 @@ std::string VirtualRingHost::on(wire::NodeId id) {
 }
 
 void VirtualRingHost::freeze(wire::NodeId id) {
+  if (LibraryNode* foreign = library(id)) return foreign->freeze();
   ring_.freeze(id);
   drivers_[id]->clock().freeze();
   nodes_.at(id)->freeze();
@@ -203,6 +222,7 @@ void VirtualRingHost::freeze(wire::NodeId id) {
 }
 
 void VirtualRingHost::thaw(wire::NodeId id) {
+  if (LibraryNode* foreign = library(id)) return foreign->thaw();
   ring_.thaw(id);
   lockstep_.node_thawed(id);
   lockstep_.has_news();
@@ -294,11 +314,11 @@ void VirtualRingHost::sleep_until(Pace::Real when) {
 // ---- from the ring --------------------------------------------------------------------------
 
 void VirtualRingHost::arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) {
-  drivers_[node]->on_arrival(slice, now);
+  if (drivers_[node] != nullptr) drivers_[node]->on_arrival(slice, now);
 }
 
 void VirtualRingHost::leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) {
-  drivers_[node]->on_departure(slice, now);
+  if (drivers_[node] != nullptr) drivers_[node]->on_departure(slice, now);
 }
 
 void VirtualRingHost::input_changes(wire::NodeId, core::Line, core::Time) { lines_changed_ = true; }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/packet_loop.h"
+#include "node/library_node.h"
 #include "node/lockstep.h"
 #include "node/node.h"
 #include "node/ring_port.h"
@@ -23,6 +24,7 @@ namespace limb_ring::virtual_host {
 struct VirtualRingHostOptions {
   std::uint64_t line_fault_seed = 0;  ///< of faults that come without a seed
   int cpu_output = -1;                ///< descriptor for what CPUs print; -1: as this process
+  bool libraries = false;             ///< foreign nodes run their own code, where the file names it (LibraryNode)
 };
 
 /// A whole ring in one process, on a virtual clock: its lines are simulated, its nodes have the host ports and CPUs of
@@ -72,7 +74,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   const Lockstep& lockstep() const { return lockstep_; }
   sim::VirtualRing& ring() { return ring_; }
   sim::VirtualLineFaults& line_faults() { return faults_; }
-  /// Null where it is dead.
+  /// Null where it is dead, or a LibraryNode.
   runtime::Node* node(wire::NodeId id) {
     const auto found = nodes_.find(id);
     return found == nodes_.end() ? nullptr : found->second.get();
@@ -80,6 +82,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
 
  private:
   void add(const config::NodeConfig& node);
+  LibraryNode* library(wire::NodeId id);
   runtime::NodeBase base_of(const config::NodeConfig& node);
   void off(wire::NodeId node) override;
   std::string on(wire::NodeId node) override;
@@ -102,9 +105,10 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   VirtualRingHostOptions options_;
   sim::VirtualRing ring_;
   sim::VirtualLineFaults faults_;
-  std::vector<VirtualNode*> drivers_;                                     ///< by id; null where there is no such node
+  std::vector<VirtualNode*> drivers_;  ///< by id; null where there is none, or a LibraryNode
   std::map<std::uint8_t, std::shared_ptr<runtime::NodeFolder>> folders_;  ///< a dead node is held all the same
   std::map<std::uint8_t, std::unique_ptr<runtime::Node>> nodes_;          ///< those that are not dead
+  std::map<std::uint8_t, std::unique_ptr<LibraryNode>> libraries_;
   Lockstep lockstep_;
   Steering steering_;
   sim::Trace trace_;

@@ -294,6 +294,7 @@ bool RunningDaemons::has_joined(wire::NodeId id) const {
 }
 
 void RunningDaemons::wait_for_hello(wire::NodeId id, milliseconds patience) const {
+  if (const Holder last = holder(id); !last.held && last.program.empty()) return;  // foreign: it cannot be asked
   if (!wait_while_it_lives(
           id, [&] { return has_joined(id); }, patience))
     throw not_joined(ring_, node(id).name, patience);

@@ -32,7 +32,16 @@ std::optional<NodeId> VirtualRing::successor(NodeId id, Line line) const {
 
 // ---- what a node is told of its lines -----------------------------------------------------
 
+// A guest says itself when it has connected.
 void VirtualRing::input_up(NodeId id, NodeId from, Line line) {
+  if (Guest* guest = nodes_[from].guest) guest->wired_to(id);
+  if (Guest* guest = nodes_[id].guest)
+    guest->wired_from(from);
+  else if (nodes_[from].guest == nullptr)
+    attach_input(id, from, line);
+}
+
+void VirtualRing::attach_input(NodeId id, NodeId from, Line line) {
   notice(id, line, true);
   end_of(id, line, true).told = from;
   touch(id);
@@ -43,10 +52,31 @@ void VirtualRing::input_up(NodeId id, NodeId from, Line line) {
 void VirtualRing::input_lost(NodeId id, Line line) {
   touch(id);
   for (Observer* observer : observers_) observer->input_changes(id, line, now_);
+  if (nodes_[id].guest != nullptr) return nodes_[id].guest->input_gone();
   nodes_[id].controller->input_lost(line, now_);
 }
 
 void VirtualRing::output_up(NodeId id, NodeId to, Line line) {
+  if (nodes_[id].guest == nullptr && nodes_[to].guest == nullptr) attach_output(id, to, line);
+}
+
+void VirtualRing::guest_accepts(NodeId id) {
+  const auto from = predecessor(id);
+  if (from && nodes_[*from].guest == nullptr && end_of(*from, Line::first, false).told != id)
+    attach_output(*from, id, Line::first);
+}
+
+void VirtualRing::guest_connected(NodeId id) {
+  const auto to = successor(id);
+  if (to && nodes_[*to].guest == nullptr) attach_input(*to, id, Line::first);
+}
+
+void VirtualRing::guest_gap(NodeId id) {
+  const auto to = successor(id);
+  if (to && nodes_[*to].guest == nullptr) node(*to).input_gap(Line::first, now_);
+}
+
+void VirtualRing::attach_output(NodeId id, NodeId to, Line line) {
   notice(id, line, false);
   end_of(id, line, false).told = to;
   touch(id);
@@ -56,6 +86,7 @@ void VirtualRing::output_up(NodeId id, NodeId to, Line line) {
 
 void VirtualRing::output_lost(NodeId id, Line line) {
   touch(id);
+  if (nodes_[id].guest != nullptr) return nodes_[id].guest->output_gone();
   nodes_[id].controller->output_lost(line, now_);
 }
 

@@ -162,8 +162,9 @@ bool VirtualRing::join(const std::function<bool()>& asked_to_stop) {
 }
 
 bool VirtualRing::joined() const {
-  return std::all_of(nodes_.begin(), nodes_.end(),
-                     [](const Node& n) { return !n.alive || n.controller->membership().accepts_sends(); });
+  return std::all_of(nodes_.begin(), nodes_.end(), [](const Node& n) {
+    return !n.alive || n.guest != nullptr || n.controller->membership().accepts_sends();
+  });
 }
 
 // One instant: everything that arrives at it, then every node it touched decides.
@@ -188,6 +189,7 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
   if (!to.alive || wire_of(arrival.from, arrival.line).epoch != arrival.epoch) return;
   if (to.paused) return to.waiting.push_back(arrival);
+  if (to.guest != nullptr) return deliver_to_guest(arrival);
   NetworkController& controller = *to.controller;
   wire::each_slice(arrival.slices.view(), [&](const Slice& slice) {
     if (const auto word = wire::fold_word(slice))
@@ -209,7 +211,23 @@ void VirtualRing::settle_touched() {
   }
 }
 
+void VirtualRing::deliver_to_guest(const DelayLine::Arrival& arrival) {
+  wire::each_slice(arrival.slices.view(), [&](const Slice& slice) {
+    for (Observer* observer : observers_) observer->arrives(arrival.to, slice, now_);
+    nodes_[arrival.to].guest->receive(slice, now_);
+  });
+  touch(arrival.to);
+}
+
+void VirtualRing::settle_guest(NodeId id, Node& node) {
+  node.guest->give_out(of_guest_);
+  if (of_guest_.empty()) return;
+  tell_leaving(id, of_guest_.view());
+  put_on_line(id, Line::first, node.lines[0], of_guest_);
+}
+
 void VirtualRing::settle(NodeId id, Node& node) {
+  if (node.guest != nullptr) return settle_guest(id, node);
   NetworkController& controller = *node.controller;
   controller.handle_timeout(now_);
   controller.run(now_);

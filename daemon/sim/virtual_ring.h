@@ -9,6 +9,7 @@
 #include "core/network_controller.h"
 #include "judge/ledger.h"
 #include "sim/delay_line.h"
+#include "sim/guest.h"
 #include "sim/observer.h"
 
 namespace limb_ring::sim {
@@ -140,6 +141,18 @@ class VirtualRing {
   /// All reach each other again, and close one ring.
   void regroup() { part({}); }
 
+  /// @name A node that is not ours. Its line has no rate; who starts and kills it is its owner
+  ///@{
+  /// @param guest outlives this @pre node `id` is dead, and the ring does not fold back
+  void set_guest(NodeId id, Guest& guest) { nodes_[id].guest = &guest; }
+  /// It has taken the line of the node before it.
+  void guest_accepts(NodeId id);
+  /// The node after it has taken its line.
+  void guest_connected(NodeId id);
+  /// Something is missing on its line out.
+  void guest_gap(NodeId id);
+  ///@}
+
   /// Sees every slice that leaves node `id` on that line and may change what arrives: put what shall arrive
   /// into `arriving` (empty: lost).
   using Tap = std::function<void(const wire::Slice& slice, Time now, wire::SliceWriter& arriving)>;
@@ -207,6 +220,7 @@ class VirtualRing {
   };
   struct Node {
     std::unique_ptr<NetworkController> controller;
+    Guest* guest = nullptr;  ///< in place of the controller
     bool alive = false;
     bool paused = false;
     bool cpu_reads = true;
@@ -254,6 +268,8 @@ class VirtualRing {
   void input_lost(NodeId id, Line line);
   void output_up(NodeId id, NodeId to, Line line);
   void output_lost(NodeId id, Line line);
+  void attach_input(NodeId id, NodeId from, Line line);
+  void attach_output(NodeId id, NodeId to, Line line);
   void leave(NodeId id);
   void enter(NodeId id);
   bool reaches(NodeId id, NodeId other) const {
@@ -269,6 +285,8 @@ class VirtualRing {
   bool joined() const;
   void settle_touched();
   void settle(NodeId id, Node& node);
+  void settle_guest(NodeId id, Node& node);
+  void deliver_to_guest(const DelayLine::Arrival& arrival);
   void put_on_line(NodeId id, Line line, const Wire& out, wire::SliceWriter& slices);
   void carry_off(NodeId id, Line line, const Wire& out, wire::SliceWriter& slices);
   void tell_leaving(NodeId id, wire::ByteView slices);
@@ -285,7 +303,7 @@ class VirtualRing {
   NodeSet touched_;
   std::priority_queue<Action, std::vector<Action>, std::greater<Action>> actions_;
   std::vector<Observer*> observers_;
-  wire::SliceWriter tapped_;
+  wire::SliceWriter tapped_, of_guest_;
 };
 
 }  // namespace limb_ring::sim

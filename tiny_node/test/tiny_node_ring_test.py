@@ -99,16 +99,28 @@ class ForeignNodeInAFile(RingTest):
     def test_ringctl_starts_the_others_and_waits_for_it(self):
         port = free_udp_ports(3)
         nodes = plain_nodes(3)
-        nodes[TINY]['controller'] = 'foreign'
+        nodes[TINY].update(controller='foreign', name='mine', cpu='attached', joints=[{'name': 'knee'}])
         times = {'silence': '250ms', 'stall': '50ms', 'send': '100ms'}
         config = self.write_ring(nodes, timeouts=times, links={'transport': 'udp', 'port': port})
         out = self.ctl('up', config, '--detach').stdout
         self.addCleanup(lambda: self.ctl('down', self.ring))
         self.assertIn("all daemons are up (2), 2 of 3 are in the ring; 'ringctl wait up' waits for the foreign ones", out)
-        self.start('tiny_node_udp', [program('tiny_node_udp'), self.ring, str(TINY), str(port), '0,1,2'])
-        self.ctl('--ring', self.ring, 'wait', 'up', '--timeout', '30')
+        told = self.ctl('check', config, '--foreign', 'mine').stdout.split()
+        self.assertEqual(told[:-1], [self.ring, str(TINY), str(port), '0,1,2'])
+        self.start('tiny_node_udp', [program('tiny_node_udp'), *told])
+        self.assertEqual(self.ctl('--ring', self.ring, 'wait', 'up', '--timeout', '30').returncode, 0)
         rows = self.ctl_json('--ring', self.ring, 'status')['nodes']
         self.assertEqual([row['state'] for row in rows], ['up'] * 3)
+
+    def test_what_it_is_told_needs_one_ring_one_node_and_ports_that_follow_from_its_id(self):
+        nodes = plain_nodes(3)
+        udp = self.write_ring(nodes, links={'transport': 'udp'})
+        for words, said in (((udp, udp, '--foreign', 'node1'), 'name one FILE'),
+                            ((udp, '--foreign', 'nod1'), "did you mean 'node1'?"),
+                            ((self.write_ring(nodes), '--foreign', 'node1'), 'does not listen over UDP at links.port + its id')):
+            done = self.ctl('check', *words)
+            self.assertEqual((done.returncode, done.stdout), (2, ''), words)
+            self.assertIn(said, done.stderr)
 
 
 if __name__ == '__main__':

@@ -345,7 +345,8 @@ RingPlan plan_ring(const UpRequest& given) {
     plan.arguments.push_back("--one-host");
   }
   for (const auto& node : config.nodes) {
-    const bool foreign = node.controller == config::NodeConfig::Controller::foreign && !plan.is_virtual;
+    const bool foreign =
+        node.controller == config::NodeConfig::Controller::foreign && (!plan.is_virtual || !node.library.empty());
     if (foreign || (!plan.host.empty() && config.host_of(node)->name != plan.host)) continue;
     if (plan.missing_program.empty()) plan.missing_program = missing_program(config, node);
     plan.nodes.push_back({node.id, node.name});

@@ -81,7 +81,9 @@ int run_virtual(const config::RingConfig& given, const ringd::Options& options) 
   const config::RingConfig ring = sim::with_assumed_lines(given, sim::kUsualRate, sim::kUsualRelayDelay);
   runtime::keep_on_one_core(ring);
   boost::asio::io_context io(1);
-  virtual_host::VirtualRingHost host(io, ring);
+  virtual_host::VirtualRingHostOptions settings;
+  settings.libraries = true;
+  virtual_host::VirtualRingHost host(io, ring, settings);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   end_on_signals(signals, io, host);
   std::ofstream capture;
