@@ -59,7 +59,7 @@ TEST(WrongNodes, NameUnfitOrTwice) {
 TEST(WrongNodes, UnknownEntry) {
   EXPECT_THAT(refusal_of(node_with("    joint: []\n")),
               StartsWith("ring.yaml:5:5: entry 'nodes[1].joint': is unknown, did you mean 'joints'?; "
-                         "allowed: id, name, host, controller, cpu, joints"));
+                         "allowed: id, name, host, controller, library, cpu, joints"));
 }
 
 TEST(WrongNodes, Cpu) {
