@@ -16,8 +16,12 @@ std::string text_of(core::Duration time) {
 
 CpuSighting sighting_of(const core::Peer& peer) {
   const wire::Beacon& beacon = peer.beacon;
-  return {peer.beacon_heard ? std::make_optional(peer.beacon_at) : std::nullopt, beacon.cpu_boots, beacon.cpu_state,
-          milliseconds(beacon.cpu_silent_ms), beacon.cpu_comes_back};
+  return {peer.beacon_heard ? std::make_optional(peer.beacon_at) : std::nullopt,
+          beacon.cpu_boots,
+          beacon.cpu_state,
+          milliseconds(beacon.cpu_silent_ms),
+          beacon.cpu_comes_back,
+          peer.boot};
 }
 
 const char* to_string(CpuVerdict verdict) {
@@ -195,7 +199,8 @@ std::string words_of_end(const core::SendEnded& ended) {
 }  // namespace
 
 CpuKnown known_of(const CpuSighting& cpu, bool heard, const Reach& reach) {
-  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard, reach};
+  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard,
+          reach,     cpu.node_boot,  cpu.state == wire::CpuState::running};
 }
 
 const char* to_string(Effect effect) {
@@ -232,7 +237,8 @@ ResetOrder::Report ResetOrder::in_doubt(const CpuKnown& cpu, core::Time now) {
 ResetOrder::Report ResetOrder::cpu_changed(const CpuKnown& cpu, core::Time now) {
   if (phase_ == Phase::sent) return std::nullopt;  // not for a boot that was under way anyway
   report_.boots = cpu.boots;
-  if (cpu.boots <= before_.boots) return std::nullopt;
+  const bool with_its_node = cpu.node_boot > before_.node_boot && before_.node_boot != 0 && cpu.runs;
+  if (cpu.boots <= before_.boots && !with_its_node) return std::nullopt;
   if (phase_ == Phase::pulled) return end(Effect::seen, "the CPU has booted again", now);
   return end(Effect::seen, words_of_end(report_.ended) + ", but the CPU has booted again: seen by its node's beacon",
              now);

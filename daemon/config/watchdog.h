@@ -24,6 +24,7 @@ struct CpuSighting {
   wire::CpuState state = wire::CpuState::none;
   std::chrono::milliseconds silent{0};  ///< since it last spoke, when the beacon was sent
   bool comes_back = true;               ///< somebody starts it again when a reset kills it
+  std::uint64_t node_boot = 0;          ///< boot number of its network controller; 0: it is our own
 };
 
 /// The sighting of another node's CPU, from the beacons of its node.
@@ -150,6 +151,8 @@ struct CpuKnown {
   bool absent = false;     ///< there is none to kill
   bool heard = true;       ///< beacons of its node have come lately
   Reach reach;
+  std::uint64_t node_boot = 0;  ///< as CpuSighting's
+  bool runs = false;
 };
 CpuKnown known_of(const CpuSighting& cpu, bool heard, const Reach& reach);
 
@@ -171,9 +174,10 @@ struct ResetReport {
   bool success() const { return effect == Effect::seen; }
 };
 
-/// One reset under way: an INTP to the reset pin, then a higher boot number in the beacons of its node. (ours,
-/// protocol.md section 5.5) An INTP that does not come home, in an open chain or lost, may have arrived all the same:
-/// where that node can still be heard its boot number tells.
+/// One reset under way: an INTP to the reset pin, then a higher boot number in the beacons of its node: of its CPU, or
+/// of the node itself where CPU and network controller are one firmware. (ours, protocol.md section 5.5) An INTP that
+/// does not come home, in an open chain or lost, may have arrived all the same: where that node can still be heard its
+/// boot number tells.
 ///
 /// No IO and no clock; the owner calls timed_out() when its time is over.
 class ResetOrder {

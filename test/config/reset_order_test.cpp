@@ -40,6 +40,17 @@ TEST_F(ResetOrderTest, IsDoneWhenTheBootNumberRises) {
   EXPECT_EQ(report->lasted, 21ms);
 }
 
+// As on a board whose firmware is both, and stores nothing.
+TEST_F(ResetOrderTest, IsDoneWhenTheWholeNodeHasBootedAndItsCpuRuns) {
+  cpu.node_boot = 7;
+  order = ResetOrder(cpu, now);
+  EXPECT_FALSE(ends(Outcome::delivered));
+  cpu.node_boot = 8;
+  EXPECT_FALSE(order.cpu_changed(cpu, now)) << "it still boots";
+  cpu.runs = true;
+  EXPECT_TRUE(order.cpu_changed(cpu, now)->success());
+}
+
 TEST_F(ResetOrderTest, ABootBeforeTheInterruptEndsIsNoAnswerYet) {
   EXPECT_FALSE(boots());
   EXPECT_TRUE(ends(Outcome::delivered)->success());
