@@ -113,10 +113,11 @@ void NodeHealth::tell_cpu(DiagnosticStatusWrapper& out) const {
 
 void NodeHealth::tell_values(DiagnosticStatusWrapper& out) const {
   out.add("state", status_.state);
-  out.add("pid", status_.pid);
-  out.add("ring size", status_.ring_size);
   out.add("CPU state", status_.cpu_state);
   out.add("CPU boots", status_.cpu_boots);
+  if (status_.pid == 0) return;  // known by its beacons alone: a foreign node, or one of another host
+  out.add("pid", status_.pid);
+  out.add("ring size", status_.ring_size);
   out.add("round trip p50 (us)", status_.round_trip_p50 * 1e6);
   out.add("round trip p99 (us)", status_.round_trip_p99 * 1e6);
   out.add("round trip max (us)", status_.round_trip_max * 1e6);
