@@ -15,7 +15,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build docs demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
+.PHONY: help all build docs demo virtual-demo board-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -40,6 +40,10 @@ demo: deps $(BUILD)/CMakeCache.txt ## Builds what it needs; a humanoid walks, ha
 virtual-demo: deps $(BUILD)/CMakeCache.txt ## The same on a virtual clock, twice the same, beside its bound (DURATION=20)
 	$(BUILD_TARGET) virtual_demo_programs
 	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/virtual_demo $(if $(DURATION),--duration $(DURATION))
+
+board-demo: deps $(BUILD)/CMakeCache.txt ## The humanoid with its left knee on a Cortex-M3 (needs gcc-arm-none-eabi, qemu-system-arm)
+	$(BUILD_TARGET) demo_programs ring_serial
+	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/board_demo
 
 demo-hosts: deps $(BUILD)/CMakeCache.txt ## A ring on four hosts (network namespaces; needs root): cable pulled, host killed
 	$(BUILD_TARGET) ringd ringctl limb_firmware limb_ring_python
