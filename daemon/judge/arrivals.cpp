@@ -27,24 +27,23 @@ bool Arrivals::ended_before_known(std::uint8_t receiver, const Sent& sent) const
   return sent.ended && sent.ended_round <= ring_.at(receiver).known_round;
 }
 
-/// The first send of this content after the send that the receiver took last. A send that is open or was delivered is
-/// preferred; one that ended otherwise counts only when every possible cause has been seen. INTPs of one factor are all
-/// alike, so for a pin the order is unknown. As a pin is pulled at once, a send that ended long ago counts only then,
-/// too.
-Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) {
-  if (flow == nullptr) return nullptr;
+/// The first send of this content that was not taken yet; where its content tells it from all others, after the one
+/// that the receiver took last. One that is open, was delivered, or is a broadcast that some refused, is preferred; one
+/// that ended otherwise counts only when every possible cause has been seen. As a pin is pulled at once, so does the
+/// INTP of one if it ended long ago.
+Sent* Arrivals::find(std::uint8_t receiver, const Flow* flow, const Pending& came, bool all_asked) const {
   const Observation& seen = came.seen;
-  const std::uint64_t last = seen.kind == Kind::pin ? 0 : ring_.newest(receiver, seen.source, seen.queue);
+  const auto* alike = flow == nullptr ? nullptr : flow->find_alike(seen);
+  if (alike == nullptr) return nullptr;
   Sent* old = nullptr;
-  for (auto it = flow->first_after(last); it != flow->sends.end(); ++it) {
-    if ((it->ended && it->outcome == Outcome::rejected) || ended_before_known(receiver, *it)) continue;
-    const std::uint16_t taken = it->taken_in(receiver);
-    const bool again = taken != 0 && (it->ended || taken == came.life);
-    if (again || !it->asked.same_content(seen)) continue;
-    const bool just_ended = it->ended_round + 2 >= ring_.round && !says_untaken(it->outcome);
-    const bool likely = seen.kind == Kind::pin ? just_ended : it->outcome == Outcome::delivered;
-    if (!it->ended || likely) return &*it;
-    if (all_asked && old == nullptr) old = &*it;
+  for (Sent* sent : *alike) {
+    if ((sent->ended && sent->tries == 0 && !sent->cut_short) || ended_before_known(receiver, *sent)) continue;
+    const std::uint16_t taken = sent->taken_in(receiver);
+    if (taken != 0 && (sent->ended || taken == came.life)) continue;
+    const bool just_ended = sent->ended_round + 2 >= ring_.round && !sent->is_untaken();
+    const bool by_some = sent->outcome == Outcome::delivered || (sent->by_node && sent->outcome == Outcome::refused);
+    if (!sent->ended || (seen.kind == Kind::pin ? just_ended : by_some)) return sent;
+    if (all_asked && old == nullptr) old = sent;
   }
   return old;
 }
@@ -53,21 +52,24 @@ Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& 
 /// @param all_asked its send, if there was one, has been seen by now
 bool Arrivals::match(std::uint8_t receiver, const Pending& came, bool all_asked) {
   const Observation& seen = came.seen;
-  const auto next_to = [&](std::uint8_t destination) {
-    return next_in_order(receiver, ring_.find_flow(seen.source, seen.queue, destination), came, all_asked);
-  };
-  Sent* sent = next_to(seen.destination);
-  if (seen.kind == Kind::pin && seen.source != receiver) {
-    Sent* to_all = next_to(wire::kBroadcast);
+  const bool pin = seen.kind == Kind::pin;
+  const Flow* const flow = ring_.find_flow(seen.source, seen.queue, seen.destination);
+  Sent* sent = find(receiver, flow, came, all_asked);
+  if (pin && seen.source != receiver) {
+    Sent* to_all = find(receiver, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast), came, all_asked);
     const auto is_open = [](const Sent& one) { return !one.ended; };
     const bool rather = to_all != nullptr && sent != nullptr &&
                         (is_open(*to_all) != is_open(*sent) ? is_open(*to_all) : to_all->index < sent->index);
     if (sent == nullptr || rather) sent = to_all;
   }
   if (sent == nullptr) return false;
+  if (!pin && flow->find_alike(seen)->size() == 1 && !ring_.has_former(*flow, receiver, seen)) {
+    std::uint64_t& newest = ring_.newest(receiver, seen.source, seen.queue);
+    if (sent->index <= newest) return false;
+    newest = sent->index;
+  }
   sent->taken_in(receiver) = came.life;
   sent->taken_at = seen.at_ns;
-  ring_.newest(receiver, seen.source, seen.queue) = sent->index;
   return true;
 }
 
@@ -115,16 +117,17 @@ void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
 /// Reports something that came again although every send of its content was taken already, or that came out of order.
 /// @return false if nothing of that content was asked for in that flow
 bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* from) {
-  if (from == nullptr) return false;
   const Observation& seen = came.seen;
-  const auto alike = std::find_if(from->sends.rbegin(), from->sends.rend(), [&](const Sent& sent) {
-    return sent.asked.same_content(seen) && !(sent.ended && sent.outcome == Outcome::rejected);
-  });
-  if (alike == from->sends.rend()) return false;
+  const auto* those = from == nullptr ? nullptr : from->find_alike(seen);
+  if (those == nullptr) return false;
+  const auto has_left = [](const Sent* sent) { return !sent->ended || sent->tries != 0 || sent->cut_short; };
+  const auto found = std::find_if(those->rbegin(), those->rend(), has_left);
+  if (found == those->rend()) return false;
+  if (ring_.stands_for_former(*from, receiver, seen)) return report_.leave_unjudged(Unjudged::alike);
+  Sent* const alike = *found;
   const std::uint16_t taken = std::exchange(alike->taken_in(receiver), came.life);
   if (taken != 0 && taken != came.life) return true;  // a late copy, in another life of the receiver
   const bool twice = taken == came.life;
-  if (ring_.forgives(*from, receiver, alike->asked)) return report_.leave_unjudged(Unjudged::alike);
   if (!twice && ended_before_known(receiver, *alike)) return report_.leave_unjudged(ring_.at(receiver).before);
   const std::string by = " node " + std::to_string(receiver);
   const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"
@@ -140,14 +143,14 @@ void Arrivals::passed(std::uint8_t id, const Observation& seen) {
 }
 
 bool Arrivals::mark_passed(std::uint8_t id, const Observation& seen) {
-  Flow* from = ring_.find_flow(seen.source, seen.queue, wire::kBroadcast);
-  if (from == nullptr) return false;
-  for (Sent& sent : from->sends) {
-    if (sent.by_node->passed[id] || !sent.asked.same_content(seen)) continue;
-    sent.by_node->passed.set(id);
-    return true;
-  }
-  return false;
+  const Flow* from = ring_.find_flow(seen.source, seen.queue, wire::kBroadcast);
+  const auto* alike = from == nullptr ? nullptr : from->find_alike(seen);
+  if (alike == nullptr) return false;
+  const auto next =
+      std::find_if(alike->begin(), alike->end(), [id](const Sent* sent) { return !sent->by_node->passed[id]; });
+  if (next == alike->end()) return false;
+  (*next)->by_node->passed.set(id);
+  return true;
 }
 
 namespace {
@@ -167,8 +170,7 @@ void Sends::asked(std::uint8_t id, const Observation& seen) {
     node.known_at = seen.at_ns;  // its end is not known any more
     node.proven_at.fill(0);
   }
-  Sent& sent = to.sends.emplace_back();
-  sent.asked = seen;
+  Sent& sent = to.add(seen);
   sent.index = ++node.asked[seen.queue];
   sent.asked_round = ring_.round;
   sent.asked_alive = node.alive;
@@ -203,7 +205,6 @@ void Sends::ended(std::uint8_t id, const Observation& seen) {
   if (sent == nullptr) return ended_again(id, seen);
   sent->end(static_cast<Outcome>(seen.detail), ring_.round, seen.at_ns);
   sent->tries = seen.tries;
-  if (leaves_open(sent->outcome)) ring_.flow(id, sent->asked.queue, sent->asked.destination).doubt(*sent);
   const bool was_out = seen.tries != 0 && sent->outcome != Outcome::cancelled;
   std::int64_t& proven = ring_.at(id).proven_at[sent->asked.queue];
   // Sends of a queue go in order, so all that were asked for before we began to observe have ended by now.
@@ -234,10 +235,7 @@ void Sends::cut_short(std::uint8_t id) {
   for (auto& flow : node.flows)
     if (flow)
       for (Sent& sent : flow->sends)
-        if (!sent.ended) {
-          sent.cut(ring_.round, node.at);
-          flow->doubt(sent);
-        }
+        if (!sent.ended) sent.cut(ring_.round, node.at);
 }
 
 void Sends::forget(std::uint8_t id, Unjudged why) {
@@ -247,6 +245,9 @@ void Sends::forget(std::uint8_t id, Unjudged why) {
       if (!sent.judged) report_.leave_unjudged(why);
     flow->clear();
   }
+  for (SeenNode& receiver : ring_.nodes)
+    for (auto it = receiver.former.begin(); it != receiver.former.end();)
+      it = std::get<0>(it->first) == id ? receiver.former.erase(it) : std::next(it);
 }
 
 }  // namespace limb_ring::promises

@@ -30,6 +30,7 @@ void PromiseJudge::looks_at(std::uint8_t id, std::uint8_t state, std::chrono::na
   ++node.life;
   node.proven_at.fill(0);
   node.newest.clear();
+  node.former.clear();
   for (const Pending& pending : node.pending)
     if (pending.seen.kind != Kind::passed) report_.leave_unjudged(node.before);
   node.pending.clear();

@@ -1,7 +1,6 @@
 #include "judge/result_judge.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "wire/packet.h"
 
@@ -15,7 +14,6 @@ namespace {
 constexpr Round kLate = 60;
 /// core::NodeState::up, in which users may send into a closed ring.
 constexpr std::uint8_t kUp = 2;
-constexpr std::int64_t kWhenever = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
 
@@ -28,48 +26,36 @@ void ResultJudge::settle(Flow& flow) {
     }
     if (sent.judged && i == flow.first_unjudged) ++flow.first_unjudged;
   }
-  while (!flow.sends.empty() && is_done_with(flow, flow.sends.front())) {
-    flow.pop_front();
-  }
+  while (!flow.sends.empty() && is_done_with(flow, flow.sends.front())) forget_first(flow);
 }
 
-/// Nobody can receive it any more, a second copy would have been seen by now, and so would that another send was meant.
+/// What its receivers may have taken or not is remembered while others with its data are there.
+void ResultJudge::forget_first(Flow& flow) {
+  Sent& sent = flow.sends.front();
+  if (!sent.by_node) note_former(flow, sent, flow.destination);
+  for (const std::uint8_t receiver : ring_.known)
+    if (sent.by_node && receiver != flow.source) note_former(flow, sent, receiver);
+  flow.pop_front();
+}
+
+void ResultJudge::note_former(const Flow& flow, Sent& sent, std::uint8_t receiver) {
+  SeenNode& node = ring_.at(receiver);
+  const auto key = SeenRing::key(flow, sent.asked);
+  if (!ring_.any_alike(flow, receiver, sent.asked, [&](const Sent& other) { return &other != &sent; }))
+    return void(node.former.erase(key));
+  const bool taken = sent.taken_in(receiver) == node.life;
+  if (must_come(flow, sent, receiver) || (sent.is_untaken() && !taken)) return;
+  Former& former = node.former[key];
+  ++(taken ? former.taken : former.untaken);
+}
+
+/// Nobody can receive it any more, and a second copy would have been seen by now.
 bool ResultJudge::is_done_with(const Flow& flow, const Sent& sent) const {
   const SeenNode& source = ring_.at(flow.source);
   if (!sent.judged || !sent.ended) return false;
   if (source.known && std::max(sent.ended_at, sent.taken_at) + times_.kept.count() >= source.at) return false;
-  if (may_stand_for_other(flow, sent)) return false;
   return sent.by_node ? is_over_everywhere(flow, sent)
                       : sent.taken_life != 0 || is_over_at(flow.destination, flow, sent);
-}
-
-/// Visits the other sends that look the same at the receiver: a pin does not show whether the INTP was a broadcast.
-/// @param asked_until those that were asked for later are left out, by the source's clock, ns
-/// @param visit returns true to stop @return whether one did
-template <class Visit>
-bool ResultJudge::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, std::int64_t asked_until,
-                            Visit visit) const {
-  const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
-  for (const std::uint8_t destination : {flow.destination, other_way}) {
-    const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
-    Flow* others = told_apart ? nullptr : ring_.find_flow(flow.source, flow.queue, destination);
-    if (others == nullptr) continue;
-    for (Sent& other : others->sends) {
-      if (other.asked.at_ns > asked_until) break;
-      if (&other != &sent && other.asked.same_content(sent.asked) && visit(other)) return true;
-    }
-  }
-  return false;
-}
-
-/// Something of its content was taken when a send that is not judged yet had been asked for as well: taken_for_other()
-/// may still have to find this one.
-bool ResultJudge::may_stand_for_other(const Flow& flow, const Sent& sent) const {
-  const auto any_open_at = [&](std::uint8_t receiver) {
-    return any_alike(flow, sent, receiver, sent.taken_at, [](const Sent& other) { return !other.judged; });
-  };
-  if (!sent.by_node) return any_open_at(flow.destination);
-  return std::any_of(ring_.known.begin(), ring_.known.end(), any_open_at);
 }
 
 bool ResultJudge::is_over_at(std::uint8_t receiver, const Flow& flow, const Sent& sent) const {
@@ -99,14 +85,18 @@ bool ResultJudge::judge_unicast(Flow& flow, Sent& sent) {
   return judge_missing(flow, sent, flow.destination);
 }
 
+/// It ended delivered and has passed the receiver, which gave it to its CPU, or broke a promise.
+bool ResultJudge::must_come(const Flow& flow, const Sent& sent, std::uint8_t receiver) const {
+  const bool passed = !sent.by_node || sent.by_node->passed[receiver];
+  return sent.ended && sent.outcome == Outcome::delivered && passed && !excuse(flow, sent, receiver);
+}
+
 /// Corrects a wrong match: the receiver took this send, but that was credited to another one of the same content,
-/// which need not have been delivered. @return false if there is no such send
+/// which need not have come. @return false if there is no such send
 bool ResultJudge::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
-  return any_alike(flow, sent, receiver, kWhenever, [&](Sent& other) {
-    const bool must = !other.by_node || other.by_node->passed[receiver];
-    const bool sure = other.ended && other.outcome == Outcome::delivered && must;
-    const std::uint16_t taken = other.taken_in(receiver);
-    if (sure || taken != ring_.at(receiver).life) return false;
+  return ring_.any_alike(flow, receiver, sent.asked, [&](Sent& other) {
+    if (&other == &sent || other.taken_in(receiver) != ring_.at(receiver).life) return false;
+    if (must_come(flow, other, receiver)) return false;
     std::swap(other.taken_in(receiver), sent.taken_in(receiver));
     return true;
   });
@@ -115,52 +105,67 @@ bool ResultJudge::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver)
 /// Corrects a wrong match the other way: this send was not taken, but another one of the same content was.
 /// @return false if there is no such send
 bool ResultJudge::other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver) {
-  return any_alike(flow, sent, receiver, kWhenever, [&](Sent& other) {
-    const bool untaken = other.taken_in(receiver) != ring_.at(receiver).life;
-    if (!untaken || (other.ended && says_untaken(other.outcome) && !other.by_node)) return false;
+  return ring_.any_alike(flow, receiver, sent.asked, [&](Sent& other) {
+    if (other.taken_in(receiver) == ring_.at(receiver).life || other.is_untaken()) return false;
     std::swap(other.taken_in(receiver), sent.taken_in(receiver));
     return true;
   });
 }
 
 bool ResultJudge::judge_taken(Flow& flow, Sent& sent) {
-  if (!says_untaken(sent.outcome)) return true;
+  if (!sent.is_untaken()) return true;
   if (ring_.round < sent.ended_round + 3) return false;  // another one of that content may have been meant
-  if (other_was_meant(flow, sent, flow.destination)) return true;
-  if (ring_.forgives(flow, flow.destination, sent.asked)) return report_.leave_unjudged(Unjudged::alike);
+  const std::uint8_t receiver = flow.destination;
+  if (other_was_meant(flow, sent, receiver)) return true;
+  if (ring_.stands_for_former(flow, receiver, sent.asked)) {
+    sent.taken_life = 0;
+    return report_.leave_unjudged(Unjudged::alike);
+  }
   report_.break_promise(Promise::true_result, flow.source, flow.source, sent.ended_at,
                         name_of(flow, sent) + " ended " + wire::to_string(sent.outcome) + ", and node " +
-                            std::to_string(flow.destination) + " has taken it");
+                            std::to_string(receiver) + " has taken it");
   return true;
+}
+
+/// Why it is no breach that the receiver has not given that send to its CPU, though it ended delivered.
+std::optional<Unjudged> ResultJudge::excuse(const Flow& flow, const Sent& sent, std::uint8_t receiver) const {
+  const SeenNode& to = ring_.at(receiver);
+  if (sent.by_node &&
+      (may_turn_back(sent) || !is_in_ring_since(receiver, sent) || !is_in_ring_since(flow.source, sent)))
+    return Unjudged::ring_changed;
+  if (!to.known || to.known_round + 2 > sent.asked_round) return to.before;
+  if (to.flushed_round + 2 >= sent.asked_round) return Unjudged::receiver_restarted;
+  return std::nullopt;
 }
 
 bool ResultJudge::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) {
   const SeenNode& to = ring_.at(receiver);
   const bool delivered = sent.outcome == Outcome::delivered;
-  if (!to.known || to.known_round + 2 > sent.asked_round) return !delivered || report_.leave_unjudged(to.before);
-  if (to.flushed_round + 2 >= sent.asked_round)
-    return !delivered || report_.leave_unjudged(Unjudged::receiver_restarted);
+  if (const auto why = excuse(flow, sent, receiver)) return !delivered || report_.leave_unjudged(*why);
   if (!delivered) return is_over_at(receiver, flow, sent);
   const std::uint32_t looked = flow.queue == Observation::kInterrupt ? to.seen_round : to.empty_round;
   if (looked < sent.ended_round + 2 || to.has_pending(flow)) return false;
   if (taken_for_other(flow, sent, receiver)) return true;
-  if (ring_.forgives(flow, receiver, sent.asked)) return report_.leave_unjudged(Unjudged::alike);
+  if (ring_.former_stands_for(flow, receiver, sent.asked)) return report_.leave_unjudged(Unjudged::alike);
   report_.break_promise(Promise::true_result, receiver, flow.source, sent.ended_at,
                         name_of(flow, sent) + " ended delivered, and " +
                             (flow.queue == Observation::kInterrupt ? "pulled no pin of" : "never came to the CPU of") +
                             " node " + std::to_string(receiver));
+  sent.taken_in(receiver) = to.life;  // else the next one of its content would be found to be this one
   return true;
+}
+
+/// A packet that turns back at a fold passes nodes without being taken there.
+bool ResultJudge::may_turn_back(const Sent& sent) const {
+  const auto whole = [&](std::uint8_t id) { return is_in_ring_since(id, sent); };
+  return fold_back_ && (sent.tries > 1 || !std::all_of(ring_.known.begin(), ring_.known.end(), whole));
 }
 
 // A node that is up and that the broadcast has passed must have taken or refused it.
 bool ResultJudge::judge_broadcast(Flow& flow, Sent& sent) {
   if (sent.outcome != Outcome::delivered) return is_over_everywhere(flow, sent);
   if (ring_.round < sent.ended_round + 3) return false;
-  // A packet that turns back at a fold passes nodes without being taken there.
-  const auto whole = [&](std::uint8_t id) { return is_in_ring_since(id, sent); };
-  const bool may_turn_back =
-      fold_back_ && (sent.tries > 1 || !std::all_of(ring_.known.begin(), ring_.known.end(), whole));
-  if (may_turn_back) return report_.leave_unjudged(Unjudged::ring_changed);
+  if (may_turn_back(sent)) return report_.leave_unjudged(Unjudged::ring_changed);
   for (const std::uint8_t id : ring_.known) {
     if (!sent.by_node->passed[id] || sent.by_node->taken_in[id] != 0) continue;
     if (!is_in_ring_since(id, sent) || !is_in_ring_since(flow.source, sent))

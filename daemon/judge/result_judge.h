@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "judge/seen_ring.h"
 
 namespace limb_ring::promises {
@@ -21,14 +23,15 @@ class ResultJudge {
   bool judge_taken(Flow& flow, Sent& sent);
   bool judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver);
   bool judge_broadcast(Flow& flow, Sent& sent);
+  std::optional<Unjudged> excuse(const Flow& flow, const Sent& sent, std::uint8_t receiver) const;
+  bool may_turn_back(const Sent& sent) const;
+  bool must_come(const Flow& flow, const Sent& sent, std::uint8_t receiver) const;
+  void forget_first(Flow& flow);
+  void note_former(const Flow& flow, Sent& sent, std::uint8_t receiver);
   bool is_done_with(const Flow& flow, const Sent& sent) const;
-  bool may_stand_for_other(const Flow& flow, const Sent& sent) const;
   bool is_over_at(std::uint8_t receiver, const Flow& flow, const Sent& sent) const;
   bool is_over_everywhere(const Flow& flow, const Sent& sent) const;
   bool is_in_ring_since(std::uint8_t id, const Sent& sent) const;
-  template <class Visit>
-  bool any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, std::int64_t asked_until,
-                 Visit visit) const;
   bool taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver);
   bool other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver);
 

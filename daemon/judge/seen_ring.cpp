@@ -8,12 +8,12 @@
 
 namespace limb_ring::promises {
 
-bool says_untaken(wire::Outcome outcome) {
+bool Sent::is_untaken() const {
   using wire::Outcome;
-  return outcome == Outcome::refused || outcome == Outcome::no_such_node || outcome == Outcome::rejected;
+  if (!ended || cut_short) return false;
+  return tries == 0 || outcome == Outcome::rejected || outcome == Outcome::no_such_node ||
+         (outcome == Outcome::refused && !by_node);
 }
-
-bool leaves_open(wire::Outcome outcome) { return outcome != wire::Outcome::delivered && !says_untaken(outcome); }
 
 bool SeenNode::has_pending(const Flow& flow) const {
   return std::any_of(pending.begin(), pending.end(), [&](const Pending& one) {
@@ -21,67 +21,52 @@ bool SeenNode::has_pending(const Flow& flow) const {
   });
 }
 
-// What is taken next mostly follows what was taken last: a search through all of them would go through memory that no
-// cache holds.
-std::deque<Sent>::iterator Flow::first_after(std::uint64_t index) {
-  const auto begin = sends.begin();
-  auto it = begin + static_cast<std::ptrdiff_t>(found);
-  if (it != begin && index < std::prev(it)->index)
-    it = std::upper_bound(begin, it, index, [](std::uint64_t i, const Sent& sent) { return i < sent.index; });
-  else
-    while (it != sends.end() && it->index <= index) ++it;
-  found = static_cast<std::size_t>(it - begin);
-  return it;
+Sent& Flow::add(const Observation& asked) {
+  Sent& sent = sends.emplace_back();
+  sent.asked = asked;
+  alike[content_of(asked)].push_back(&sent);
+  return sent;
 }
 
-namespace {
-
-/// Of one flow, at most so many are kept: the last ones.
-constexpr std::size_t kMostDoubts = 64;
-
-}  // namespace
-
-void Flow::doubt(const Sent& sent) {
-  if (doubts.size() == kMostDoubts) doubts.erase(doubts.begin());
-  doubts.push_back({sent.asked, {}});
-}
-
-bool Flow::forgives(std::uint8_t receiver, const Observation& asked) {
-  const auto open = std::find_if(doubts.begin(), doubts.end(), [&](const Doubt& doubt) {
-    const bool another = !doubt.asked.same_send(asked) || doubt.asked.at_ns != asked.at_ns;
-    return another && doubt.asked.same_content(asked) && !doubt.forgiven[receiver];
-  });
-  if (open == doubts.end()) return false;
-  open->forgiven.set(receiver);
-  return true;
-}
-
-bool SeenRing::forgives(const Flow& flow, std::uint8_t receiver, const Observation& asked) {
-  const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
-  for (const std::uint8_t destination : {flow.destination, other_way}) {
-    const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
-    Flow* one = told_apart ? nullptr : find_flow(flow.source, flow.queue, destination);
-    if (one != nullptr && one->forgives(receiver, asked)) return true;
-  }
-  return false;
+const std::deque<Sent*>* Flow::find_alike(const Observation& like) const {
+  const auto found = alike.find(content_of(like));
+  return found == alike.end() ? nullptr : &found->second;
 }
 
 void Flow::pop_front() {
-  const Observation gone = sends.front().asked;
+  const auto of_it = alike.find(content_of(sends.front().asked));
+  of_it->second.pop_front();
+  if (of_it->second.empty()) alike.erase(of_it);
   sends.pop_front();
-  const auto alike = [&](const Sent& sent) { return sent.asked.same_content(gone); };
-  if (!doubts.empty() && std::none_of(sends.begin(), sends.end(), alike))
-    doubts.erase(std::remove_if(doubts.begin(), doubts.end(),
-                                [&](const Doubt& doubt) { return doubt.asked.same_content(gone); }),
-                 doubts.end());
-  for (std::size_t* place : {&first_open, &first_unjudged, &found})
+  for (std::size_t* place : {&first_open, &first_unjudged})
     if (*place != 0) --*place;
 }
 
 void Flow::clear() {
+  alike.clear();
   sends.clear();
-  doubts.clear();
-  first_open = first_unjudged = found = 0;
+  first_open = first_unjudged = 0;
+}
+
+namespace {
+
+bool move_one(unsigned& from, unsigned& to) {
+  if (from == 0) return false;
+  --from;
+  ++to;
+  return true;
+}
+
+}  // namespace
+
+bool SeenRing::stands_for_former(const Flow& flow, std::uint8_t receiver, const Observation& taken) {
+  const auto former = at(receiver).former.find(key(flow, taken));
+  return former != at(receiver).former.end() && move_one(former->second.untaken, former->second.taken);
+}
+
+bool SeenRing::former_stands_for(const Flow& flow, std::uint8_t receiver, const Observation& missing) {
+  const auto former = at(receiver).former.find(key(flow, missing));
+  return former != at(receiver).former.end() && move_one(former->second.taken, former->second.untaken);
 }
 
 Flow* SeenRing::find_flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) const {
@@ -93,7 +78,7 @@ Flow& SeenRing::flow(std::uint8_t source, std::uint8_t queue, std::uint8_t desti
   auto& flows = nodes[source].flows;
   if (flows.empty()) flows.resize(kQueues * kNodes);
   auto& found = flows[queue * kNodes + destination];
-  if (!found) found = std::make_unique<Flow>(Flow{source, queue, destination, {}, 0, 0, 0, false, {}});
+  if (!found) found = std::make_unique<Flow>(Flow{source, queue, destination});
   return *found;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <chrono>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "judge/promise.h"
@@ -85,6 +87,11 @@ struct JudgeTimes {
   std::chrono::nanoseconds told_again = std::chrono::seconds(1);   ///< the same of a node and source
 };
 
+/// What a receiver sees of a packet's content.
+constexpr std::uint64_t content_of(const Observation& seen) {
+  return std::uint64_t{seen.checksum} << 32 | std::uint64_t{seen.size} << 8 | seen.channel;
+}
+
 using Round = std::uint32_t;
 constexpr std::size_t kQueues = 5, kNodes = 256;
 
@@ -108,6 +115,8 @@ struct Sent {
 
   /// Life of that receiver in which it took it; 0: it has not.
   std::uint16_t& taken_in(std::uint8_t receiver) { return by_node ? by_node->taken_in[receiver] : taken_life; }
+  /// It has ended, and nobody has taken it: it was refused, met nobody, or never left.
+  bool is_untaken() const;
   void end(wire::Outcome how, Round round, std::int64_t at) {
     ended = true;
     outcome = how;
@@ -121,31 +130,28 @@ struct Sent {
   }
 };
 
-/// A send that ended without saying whether it was taken. Beside others of the same data a receiver may seem to have
-/// taken one of them too often, or not at all. At most one of the two, so each receiver is forgiven once.
-struct Doubt {
-  Observation asked;
-  std::bitset<kNodes> forgiven;
-};
-
 /// Sends of one source, queue and destination, in the order of asking.
 struct Flow {
   std::uint8_t source, queue, destination;
-  std::deque<Sent> sends;
+  std::deque<Sent> sends = {};
+  /// Those in `sends` by content_of(), in the order of asking. Nothing tells which of several a receiver has taken: the
+  /// one that a taken packet is found to be is a guess, which may be corrected, and their order is not judged.
+  std::unordered_map<std::uint64_t, std::deque<Sent*>> alike = {};
   std::size_t first_open = 0;      ///< those before it have ended
   std::size_t first_unjudged = 0;  ///< those before it are judged
-  std::size_t found = 0;           ///< by first_after(), the last time
   bool listed = false;             ///< in SeenRing::active
-  std::vector<Doubt> doubts;       ///< of those in `sends`, and of former ones that some in it are alike to
 
-  /// The first one whose index is greater.
-  std::deque<Sent>::iterator first_after(std::uint64_t index);
+  Sent& add(const Observation& asked);
+  /// Null where it has none of that content.
+  const std::deque<Sent*>* find_alike(const Observation& like) const;
   void pop_front();
   void clear();
-  void doubt(const Sent& sent);
-  /// @param asked a send of which something seems wrong at that receiver
-  /// @return true if that may come of a doubt about another one of the same data, which it then spends
-  bool forgives(std::uint8_t receiver, const Observation& asked);
+};
+
+/// Of sends of one content that are forgotten, while others of it are not, and of which nobody knows whether they were
+/// taken: so many were found to be taken, and so many not.
+struct Former {
+  unsigned taken = 0, untaken = 0;
 };
 
 /// Something that was taken, but whose send has not been found yet.
@@ -173,6 +179,7 @@ struct SeenNode {
   std::array<std::int64_t, kQueues> proven_at{};  ///< since then nothing is under way that was not seen; 0: never
   std::vector<std::uint64_t> newest;              ///< index of what it took last, by source and queue
   std::deque<Pending> pending;
+  std::map<std::tuple<std::uint8_t, std::uint8_t, std::uint8_t, std::uint64_t>, Former> former;  ///< SeenRing::key()
 
   /// Something of that flow was taken, and it is not known yet which send it was.
   bool has_pending(const Flow& flow) const;
@@ -190,16 +197,36 @@ struct SeenRing {
   Flow& flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination);
   /// Null where nothing was asked for in it.
   Flow* find_flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) const;
-  /// Flow::forgives() of the flow, and of the other one of INTPs whose pin shows no difference.
-  bool forgives(const Flow& flow, std::uint8_t receiver, const Observation& asked);
+  /// Visits the sends that look the same at the receiver: a pin does not show whether the INTP was a broadcast.
+  /// @param visit returns true to stop @return whether one did
+  template <class Visit>
+  bool any_alike(const Flow& flow, std::uint8_t receiver, const Observation& like, Visit visit) const {
+    const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
+    for (const std::uint8_t destination : {flow.destination, other_way}) {
+      const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
+      const Flow* one = told_apart ? nullptr : find_flow(flow.source, flow.queue, destination);
+      const auto* alike = one == nullptr ? nullptr : one->find_alike(like);
+      if (alike != nullptr && std::any_of(alike->begin(), alike->end(), [&](Sent* sent) { return visit(*sent); }))
+        return true;
+    }
+    return false;
+  }
+  /// What those have in common that look the same as such a packet: source, queue, destination, content.
+  static auto key(const Flow& flow, const Observation& like) {
+    const bool interrupt = flow.queue == Observation::kInterrupt;
+    return std::make_tuple(flow.source, flow.queue, interrupt ? std::uint8_t{0} : flow.destination, content_of(like));
+  }
+  bool has_former(const Flow& flow, std::uint8_t receiver, const Observation& like) const {
+    return at(receiver).former.count(key(flow, like)) != 0;
+  }
+  /// What was taken may be a forgotten send that was not found to be taken: it is from now on.
+  bool stands_for_former(const Flow& flow, std::uint8_t receiver, const Observation& taken);
+  /// The other way: a forgotten one was found to be taken that need not have been, and this send was meant.
+  bool former_stands_for(const Flow& flow, std::uint8_t receiver, const Observation& missing);
   /// Index of what that receiver took last from that source and queue.
   std::uint64_t& newest(std::uint8_t receiver, std::uint8_t source, std::uint8_t queue);
 };
 
-/// Whether a result says that nobody has taken the packet.
-bool says_untaken(wire::Outcome outcome);
-/// Whether a result leaves open if somebody has.
-bool leaves_open(wire::Outcome outcome);
 /// "DATP of node 3 to 12, priority 0, channel 4, 100 bytes"
 std::string name_of(const Observation& packet, std::uint8_t source);
 /// The same, with its token.

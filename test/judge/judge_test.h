@@ -80,6 +80,12 @@ struct JudgeTest : testing::Test {
     take(to, from, token);
     end(from, to, token, Outcome::delivered);
   }
+  /// The same, with data that many have.
+  void deliver_equal(std::uint8_t from, std::uint8_t to, std::uint32_t token) {
+    ask(from, to, token, 77);
+    take(to, from, 77);
+    end(from, to, token, Outcome::delivered);
+  }
   void interrupt(std::uint8_t from, std::uint8_t to, std::uint32_t token, std::uint8_t factor) {
     Observation seen = of(Kind::asked);
     seen.destination = to;

@@ -111,6 +111,79 @@ TEST_F(JudgeTest, aStreamOfEqualDataBehindALostOneBreaksNothing) {
   EXPECT_EQ(unjudged(Unjudged::alike), 1u);
 }
 
+// What comes next is found to be one that a reset has thrown away; so each later one is found to be the one before it.
+TEST_F(JudgeTest, aStreamOfEqualDataBehindAFlushBreaksNothing) {
+  for (std::uint32_t token = 5; token < 8; ++token) {
+    ask(1, 2, token, 77);
+    end(1, 2, token, Outcome::delivered);
+  }
+  judge.see(2, of(Kind::flushed));
+  rounds(4);
+  for (std::uint32_t token = 8; token < 40; ++token) {
+    deliver_equal(1, 2, token);
+    rounds(2);
+  }
+  rounds(100);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+TEST_F(JudgeTest, equalDataThatNeverCameIsNamedAlsoLongAfterAFlush) {
+  judge.see(2, of(Kind::flushed));
+  rounds(4);
+  for (std::uint32_t token = 8; token < 40; ++token) {
+    deliver_equal(1, 2, token);
+    rounds(2);
+  }
+  ask(1, 2, 40, 77);
+  end(1, 2, 40, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), ElementsAre(Promise::true_result));
+}
+
+// The first one was taken by the receiver's former life, and its retry by the next one.
+TEST_F(JudgeTest, equalDataBehindARetryToARestartedReceiverBreaksNothing) {
+  ask(1, 2, 5, 77);
+  judge.ends(2);
+  begins(2);
+  rounds(3);
+  ask(1, 2, 6, 77);
+  end(1, 2, 5, Outcome::delivered, 2);
+  take(2, 1, 77);
+  end(1, 2, 6, Outcome::delivered);
+  rounds(60);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+// Node 3 had no room for the first one. What is seen at the source is told before what is seen at the receivers.
+TEST_F(JudgeTest, equalBroadcastsBehindOneThatSomeRefusedBreakNothing) {
+  for (std::uint32_t token = 5; token < 40; ++token) {
+    ask(1, kAll, token, 77);
+    end(1, kAll, token, token == 5 ? Outcome::refused : Outcome::delivered);
+    ask(1, kAll, 100 + token, 78);
+    for (const std::uint8_t id : {2, 3}) {
+      take(id, 1, 77, kAll, Kind::passed);
+      if (id != 3 || token != 5) take(id, 1, 77, kAll);
+      take(id, 1, 78, kAll, Kind::passed);
+      take(id, 1, 78, kAll);
+    }
+    end(1, kAll, 100 + token, Outcome::delivered);
+    rounds(2);
+  }
+  rounds(100);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+TEST_F(JudgeTest, sendsThatWereCancelledBeforeTheyWereSentExcuseNothing) {
+  for (std::uint32_t token = 5; token < 8; ++token) {
+    ask(1, 2, token, 77);
+    end(1, 2, token, Outcome::cancelled, 0);
+  }
+  ask(1, 2, 8, 77);
+  end(1, 2, 8, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), ElementsAre(Promise::true_result));
+}
+
 TEST_F(JudgeTest, aLostOneWithDataOfItsOwnThatIsTakenTwiceIsNamedAllTheSame) {
   ask(1, 2, 5);
   take(2, 1, 5);
