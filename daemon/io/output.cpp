@@ -271,33 +271,34 @@ std::optional<std::size_t> Successor::next(Time now) {
   const std::size_t count = current_ ? *current_ : farthest(now) + 1;
   for (std::size_t i = 0; i < count; ++i) {
     if (candidates_[i].state == Candidate::State::trying || candidates_[i].since > now) continue;
-    set(i, Candidate::State::trying, now, candidates_[i].missing);
+    Candidate& next = candidates_[i];
+    next = {Candidate::State::trying, now, next.missing, next.busy_since};
     return i;
   }
   return {};
 }
 
 void Successor::absent(std::size_t candidate, Time now) {
-  if (candidate == 0) first_busy_since_.reset();
   set(candidate, Candidate::State::absent, now + timing_.candidate_retry(candidates_.size()), true);
 }
 
 void Successor::busy(std::size_t candidate, Time now) {
-  if (candidate == 0) first_busy_since_.reset();
   set(candidate, Candidate::State::busy, now + timing_.candidate_retry(candidates_.size()));
 }
 
+// One that is alive is nearer to those beyond it than we are: they may be right.
 bool Successor::says_busy(std::size_t candidate, Time now) {
-  const Time since = candidate == 0 ? first_busy_since_.value_or(now) : now;
-  const bool believed = now - since < kBelieved;
+  const Time since = candidates_[candidate].busy_since.value_or(now);
+  const bool ourselves = candidate + 1 == candidates_.size();
+  const bool believed = ourselves || now - since < kBelieved;
   believed ? busy(candidate, now) : absent(candidate, now);
-  if (candidate == 0) first_busy_since_ = since;
+  candidates_[candidate].busy_since = since;
+  for (std::size_t i = candidate + 1; believed && i < candidates_.size(); ++i) candidates_[i].busy_since.reset();
   return believed;
 }
 
 void Successor::accepted(std::size_t candidate, Time now) {
   for (std::size_t i = candidate; i < candidates_.size(); ++i) candidates_[i] = {};
-  if (candidate == 0) first_busy_since_.reset();
   current_ = candidate;
   up_since_ = now;
   patience_.reset();
@@ -340,7 +341,7 @@ bool Successor::passed_over(const Candidate& candidate, Time now) const {
 }
 
 void Successor::set(std::size_t candidate, Candidate::State state, Time since, bool missing) {
-  candidates_[candidate] = {state, since, missing};
+  candidates_[candidate] = {state, since, missing, {}};
 }
 
 }  // namespace limb_ring::link

@@ -84,8 +84,8 @@ class Successor {
 
   void absent(std::size_t candidate, Time now);  ///< nobody there, or no node of this ring
   void busy(std::size_t candidate, Time now);    ///< alive, with a nearer upstream than us
-  /// It says so itself. Nobody is nearer to the configured successor than we are: if it says so for kBelieved it is
-  /// passed over like one that is not there. @return false: it is not believed any more
+  /// It says so itself. All nodes between us and it are not there, so nobody is nearer to it than we are: if it says so
+  /// for kBelieved it is passed over as if it were not there. @return false: it is not believed any more
   bool says_busy(std::size_t candidate, Time now);
   static constexpr std::chrono::seconds kBelieved{10};  ///< longer than a node takes to start
   /// Is in use from here on. @pre it is nearer than the one that was
@@ -98,8 +98,9 @@ class Successor {
  private:
   struct Candidate {
     enum class State { untried, trying, absent, busy } state = State::untried;
-    Time since{};          ///< trying: since when; else: not again before
-    bool missing = false;  ///< was not there when last tried: passed over while tried again
+    Time since{};                      ///< trying: since when; else: not again before
+    bool missing = false;              ///< was not there when last tried: passed over while tried again
+    std::optional<Time> busy_since{};  ///< it says so, and nothing else since
   };
 
   std::size_t farthest(Time now) const;
@@ -111,7 +112,6 @@ class Successor {
   std::optional<std::size_t> current_;
   std::optional<Time> patience_;  ///< at start: the configured successor only, until then
   Time up_since_{};
-  std::optional<Time> first_busy_since_;  ///< says the configured successor, and nothing else since
 };
 
 /// What an Output reports. Calls come from the event loop, never from inside a call into the

@@ -40,6 +40,22 @@ struct SuccessorOfFour : testing::Test {
     }
     FAIL() << "candidate " << candidate << " was never tried";
   }
+  /// Those nearer than it are not there. @return false if it is not asked next
+  bool is_asked(std::size_t candidate) {
+    while (const auto next = successor.next(now)) {
+      if (*next >= candidate) return *next == candidate;
+      successor.absent(*next, now);
+    }
+    return false;
+  }
+  /// For as long as that is believed, and is asked once more; nobody nearer is there, and nobody beyond is tried.
+  void is_busy_for_long(std::size_t candidate) {
+    pass(milliseconds(200));
+    for (const Time begun = now; is_asked(candidate) && now - begun < Successor::kBelieved; pass(milliseconds(20))) {
+      ASSERT_TRUE(successor.says_busy(candidate, now));
+      ASSERT_EQ(successor.next(now), std::nullopt);
+    }
+  }
 };
 
 TEST_F(SuccessorOfFour, WaitsForTheConfiguredOneAtTheStart) {
@@ -131,13 +147,7 @@ TEST_F(SuccessorOfFour, DoesNotRunInCirclesWithOneThatTakesAndDropsUs) {
 }
 
 TEST_F(SuccessorOfFour, TheConfiguredOneThatIsBusyForEverIsPassedOverUntilItAccepts) {
-  const Time begun = now;
-  while (now - begun < Successor::kBelieved) {
-    ASSERT_THAT(tried(), ElementsAre(0)) << "nobody beyond one that is alive";
-    ASSERT_TRUE(successor.says_busy(0, now));
-    pass(milliseconds(20));
-  }
-  ASSERT_EQ(successor.next(now), 0u);
+  ASSERT_NO_FATAL_FAILURE(is_busy_for_long(0));
   EXPECT_FALSE(successor.says_busy(0, now));
   EXPECT_EQ(successor.next(now), 1u);
   successor.accepted(1, now);
@@ -145,6 +155,20 @@ TEST_F(SuccessorOfFour, TheConfiguredOneThatIsBusyForEverIsPassedOverUntilItAcce
   ASSERT_EQ(successor.next(now), 0u) << "it is asked again all the same";
   successor.accepted(0, now);
   EXPECT_EQ(successor.current(), 0u);
+}
+
+TEST_F(SuccessorOfFour, AFartherOneThatIsBusyForEverIsPassedOverWhereNobodyNearerIsThere) {
+  ASSERT_NO_FATAL_FAILURE(is_busy_for_long(1));
+  EXPECT_FALSE(successor.says_busy(1, now));
+  EXPECT_EQ(successor.next(now), 2u);
+}
+
+TEST_F(SuccessorOfFour, AFartherOneIsBelievedWhileANearerOneIsAlive) {
+  ASSERT_NO_FATAL_FAILURE(is_busy_for_long(1));
+  pass(milliseconds(20));
+  ASSERT_EQ(successor.next(now), 0u);
+  ASSERT_TRUE(successor.says_busy(0, now)) << "it is back, and another node's neighbour";
+  EXPECT_TRUE(successor.says_busy(1, now));
 }
 
 }  // namespace
