@@ -15,12 +15,20 @@ namespace {
 /// A CPU asks for a few packets at a time; one that asks for more gets this many.
 constexpr unsigned kMaxCredit = 64;
 
-bool changes_something(const client::ToDaemon& message, const HostHandler& handler) {
-  const auto* request = std::get_if<client::JsonRequest>(&message);
-  if (request != nullptr) return handler.changes_something(*request);
+bool sends(const client::ToDaemon& message) {
   return std::holds_alternative<client::SendRequest>(message) ||
          std::holds_alternative<client::InterruptRequest>(message) ||
          std::holds_alternative<client::PullRequest>(message);
+}
+
+/// It has an answer.
+bool asks(const client::ToDaemon& message) {
+  return sends(message) || std::holds_alternative<client::JsonRequest>(message);
+}
+
+bool changes_something(const client::ToDaemon& message, const HostHandler& handler) {
+  const auto* request = std::get_if<client::JsonRequest>(&message);
+  return request != nullptr ? handler.changes_something(*request) : sends(message);
 }
 
 }  // namespace
@@ -30,6 +38,7 @@ void HostServer::on_message(Session& session, const client::ToDaemon& message) {
     options_.turns->disturbed();
   const auto began = std::chrono::steady_clock::now();
   if (session.attached()) handler_.on_alive(session.info().id);
+  if (asks(message)) session.asks();
   std::visit([&](const auto& kind) { on(session, kind); }, message);
   count_time(began);
 }
@@ -68,14 +77,16 @@ std::optional<std::string> HostServer::objection(const client::Greeting& greetin
   return handler_.on_attach(info);
 }
 
-std::size_t HostServer::attached() const {
-  return static_cast<std::size_t>(
-      std::count_if(sessions_.begin(), sessions_.end(), [](const auto& one) { return one.second->attached(); }));
+std::size_t HostServer::attached_for_long() const {
+  return static_cast<std::size_t>(std::count_if(sessions_.begin(), sessions_.end(), [](const auto& one) {
+    const ClientInfo& info = one.second->info();
+    return one.second->attached() && !info.asks_only && info.role != Role::cpu;
+  }));
 }
 
 void HostServer::on(Session& session, const client::Greeting& greeting) {
   const bool has_kept_place = greeting.asks_only || greeting.role == Role::cpu;
-  if (!has_kept_place && attached() >= options_.max_clients) {
+  if (!has_kept_place && attached_for_long() >= options_.max_clients && !make_room(/*greeted=*/true)) {
     ++counters_.refused_full;
     return disconnect(session.info().id, full());
   }
@@ -121,6 +132,7 @@ bool HostServer::attach(Session& session, const client::Greeting& greeting) {
   ClientInfo info = session.info();
   info.role = greeting.role;
   info.restarted_by_owner = greeting.restarted_by_owner;
+  info.asks_only = greeting.asks_only;
   info.results_may_wait = greeting.results_may_wait;
   info.lockstep = is_in_lockstep(greeting);
   info.alive_period = greeting.alive_period;
@@ -139,6 +151,7 @@ bool HostServer::attach(Session& session, const client::Greeting& greeting) {
 bool HostServer::rejected(Session& session, std::uint32_t token, const std::optional<client::Problem>& problem) {
   if (!problem) return false;
   ++counters_.rejected;
+  session.is_told();
   session.put(Result{token, Outcome::rejected, std::chrono::nanoseconds{0}, 0, problem->text, problem->why});
   return true;
 }
@@ -163,6 +176,7 @@ void HostServer::on(Session& session, const client::JsonRequest& request) {
 }
 
 void HostServer::on(Session& session, const client::ObserveRequest& request) {
+  session.observes();
   handler_.on_observe(session.info().id, request);
 }
 

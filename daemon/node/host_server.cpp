@@ -13,6 +13,7 @@
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "io/unique_fd.h"
@@ -84,7 +85,7 @@ void HostServer::admit(process::UniqueFd socket) {
     return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +
                         std::to_string(peer.uid));
   }
-  if (sessions_.size() >= options_.max_clients + kKeptPlaces && !make_room()) {
+  if (sessions_.size() >= options_.max_clients + kKeptPlaces && !make_room(/*greeted=*/false)) {
     ++counters_.refused_full;
     return session->end(full());
   }
@@ -92,15 +93,27 @@ void HostServer::admit(process::UniqueFd socket) {
   session->start();
 }
 
-/// Of those that have said nothing the oldest goes. @return false where all have said who they are
-bool HostServer::make_room() {
+/// Somebody has to go, so that a place gets free: who has not greeted, else who is idle; of those one of the process
+/// that holds the most places, and of that one's who is so for the longest.
+/// @param greeted only those who have, and need a place for long @return false where nobody is
+bool HostServer::make_room(bool greeted) {
+  std::map<pid_t, unsigned> places;
+  for (const auto& [id, session] : sessions_) ++places[session->info().pid];
+  const auto rank = [&](const Session& one) {
+    return std::make_tuple(!one.attached(), places[one.info().pid], one.idle_for());
+  };
+  const Session* goes = nullptr;
   for (const auto& [id, session] : sessions_) {
-    if (session->attached() || session == booting_cpu_) continue;
-    count(End::never_greeted);
-    disconnect(id, "no greeting came, and others want the place");
-    return true;
+    const bool is_idle = session->idle_for() >= kIdleFor && !(greeted && session->info().asks_only);
+    const bool may_go = session->attached() ? is_idle : !greeted && session != booting_cpu_;
+    if (may_go && (goes == nullptr || rank(*goes) < rank(*session))) goes = session.get();
   }
-  return false;
+  if (goes == nullptr) return false;
+  const bool idle = goes->attached();
+  ++(idle ? counters_.idle : counters_.never_greeted);
+  disconnect(goes->info().id,
+             std::string(idle ? "nothing was asked for for 2 s" : "no greeting came") + ", and others want the place");
+  return true;
 }
 
 /// @return null where the kernel watches no more descriptors for us; the client finds its connection closed
@@ -190,12 +203,16 @@ bool HostServer::interrupt(const limb_ring::Interrupt& interrupt) {
 }
 
 void HostServer::result(ClientId client, const Result& result) {
-  if (Session* session = find(client)) session->put_result(result);
+  Session* session = find(client);
+  if (session == nullptr) return;
+  session->is_told();
+  session->put_result(result);
 }
 
 void HostServer::reply(ClientId client, std::uint32_t token, const std::string& json) {
   Session* session = find(client);
   if (session == nullptr) return;
+  session->is_told();
   if (json.size() <= client::kMaxReply) return session->put(Reply{token, json});
   session->put(Reply{token, "{\"error\": \"the answer has " + std::to_string(json.size()) +
                                 " bytes, more than a host port carries\"}"});

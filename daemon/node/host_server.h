@@ -47,7 +47,8 @@ struct HostCounters {
   std::uint64_t refused_full = 0;       ///< more clients than limits.clients
   std::uint64_t refused_unwatched = 0;  ///< the kernel watches no more descriptors for us
   std::uint64_t garbage = 0;            ///< closed for bytes that are no message
-  std::uint64_t never_greeted = 0;      ///< closed for not greeting in time
+  std::uint64_t never_greeted = 0;      ///< closed for not greeting in time, or before others that want the place
+  std::uint64_t idle = 0;               ///< closed while idle, as others want the place
   std::uint64_t slow_clients = 0;       ///< closed for not reading what was for them
   std::uint64_t observed_lost = 0;      ///< Observed left out for observers that read too slowly
   std::uint64_t captured_lost = 0;      ///< captured packets left out for observers that read too slowly
@@ -72,6 +73,9 @@ class HostServer final : private SessionOwner {
   /// Beside limits.clients, for those who ask and go and for the CPU: programs that fill all places must not keep a
   /// stop from the node, nor its CPU.
   static constexpr unsigned kKeptPlaces = 8;
+  /// Where all places are taken, a client that observes nothing, has asked for nothing for so long, and waits for no
+  /// answer makes room for the next one.
+  static constexpr std::chrono::seconds kIdleFor{2};
   /// What clients say may take this time in one turn of the event loop, and at least one message of each is handled: a
   /// status takes 55 us, and packets wait meanwhile.
   static constexpr std::chrono::microseconds kTimePerTurn{200};
@@ -126,8 +130,8 @@ class HostServer final : private SessionOwner {
   void accept();
   void accept_again_later(const boost::system::error_code& why);
   void admit(process::UniqueFd socket);
-  bool make_room();
-  std::size_t attached() const;
+  bool make_room(bool greeted);
+  std::size_t attached_for_long() const;
   std::string full() const;
   SessionPtr make_session(process::UniqueFd socket, const ClientInfo& info);
   void on_message(Session& session, const client::ToDaemon& message) override;

@@ -77,6 +77,21 @@ void Session::attach(const ClientInfo& info, TurnKeeper* turns) {
   watch_.set_events(input_events());
 }
 
+void Session::asks() {
+  ++under_way_;
+  last_ = std::chrono::steady_clock::now();
+}
+
+void Session::is_told() {
+  if (under_way_ != 0) --under_way_;
+  last_ = std::chrono::steady_clock::now();
+}
+
+std::chrono::nanoseconds Session::idle_for() const {
+  if (under_way_ != 0 || observes_ || info_.role == Role::cpu) return {};
+  return std::chrono::steady_clock::now() - last_;
+}
+
 // ---- lockstep -----------------------------------------------------------------------------
 
 void Session::begin_turn(std::chrono::nanoseconds now) {

@@ -95,6 +95,7 @@ struct ClientInfo {
   pid_t pid = 0;  ///< as the kernel says (SO_PEERCRED), not the client
   bool restarted_by_owner = false;
   bool results_may_wait = false;
+  bool asks_only = false;                     ///< it needs no place for long
   bool lockstep = false;                      ///< it acts in its turns alone
   std::chrono::milliseconds alive_period{0};  ///< 0: no promise
 };
@@ -210,6 +211,13 @@ class Session : public std::enable_shared_from_this<Session> {
   /// It was the client that has ended it.
   bool ended_by_client() const { return ended_by_client_; }
   bool attached() const { return attached_; }
+  /// It has asked for something, and will be told how that ended.
+  void asks();
+  void is_told();
+  /// It hears of what happens.
+  void observes() { observes_ = true; }
+  /// For so long it has not been heard, and nothing is under way for it; 0 for a CPU, and for one that observes.
+  std::chrono::nanoseconds idle_for() const;
   /// True where the other end has gone, though we may not have read so far.
   bool hung_up() const;
   const ClientInfo& info() const { return info_; }
@@ -249,6 +257,9 @@ class Session : public std::enable_shared_from_this<Session> {
   ClientInfo info_;
   SessionOwner* owner_;
   bool attached_ = false;
+  unsigned under_way_ = 0;
+  bool observes_ = false;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();  ///< asked, or was told
   client::StreamBuffer in_;
   event_loop::Backlog out_{kMaxQueued};
   bool flush_under_way_ = false;

@@ -28,6 +28,16 @@ class UnknownPeer : public HostTest {
     client::append(bytes, client::Greeting{});
     return bytes;
   }
+  static ConnectOptions who_asks() {
+    ConnectOptions options = options_for(Role::tool);
+    options.asks_only = true;
+    return options;
+  }
+  static client::Greeting asking() {
+    client::Greeting greeting;
+    greeting.asks_only = true;
+    return greeting;
+  }
   void expect_still_serving() { EXPECT_EQ(tool().id(), 3); }
 };
 
@@ -187,11 +197,30 @@ TEST_F(UnknownPeer, BeyondTheLimitOfClientsIsToldTheLimit) {
 TEST_F(UnknownPeer, WhoOnlyAsksAndTheCpuHaveAPlaceBeyondTheLimit) {
   const HostPort one = tool(), two = tool(), three = tool(), four = tool();
   const HostPort its_cpu = cpu();
-  ConnectOptions asking = options_for(Role::tool);
-  asking.asks_only = true;
   std::vector<HostPort> kept;
-  while (kept.size() + 1 < host::HostServer::kKeptPlaces) kept.push_back(connect(asking));
-  EXPECT_THAT(test::thrown<HostPortError>([&] { connect(asking); }), HasSubstr("limits.clients"));
+  while (kept.size() + 1 < host::HostServer::kKeptPlaces) kept.push_back(connect(who_asks()));
+  EXPECT_THAT(test::thrown<HostPortError>([&] { connect(who_asks()); }), HasSubstr("limits.clients"));
+}
+
+TEST_F(UnknownPeer, ThatGreetsAndStaysSilentKeepsNobodyOut) {
+  std::vector<RawClient> silent;
+  for (unsigned i = 0; i < 4 + host::HostServer::kKeptPlaces; ++i) {
+    silent.emplace_back("r", "3");
+    silent.back().say(i < 4 ? client::Greeting{} : asking());
+    until([&] { return handler.attached.size() == i + 1; });
+  }
+  silent[1].say(client::ObserveRequest{"{}"});
+  until([&] { return handler.observers.size() == 1; });
+  silent[2].say(client::JsonRequest{1, "{}"});  // whose answer may take long
+  until([&] { return handler.requests.size() == 1; });
+  const auto all_idle = std::chrono::steady_clock::now() + host::HostServer::kIdleFor;
+  until([&] { return std::chrono::steady_clock::now() > all_idle; });
+  const HostPort asks = connect(who_asks());
+  const HostPort stays = tool();
+  EXPECT_THAT(shown_out(silent[0]), HasSubstr("others want the place"));
+  EXPECT_FALSE(silent[1].hung_up() || silent[2].hung_up());
+  EXPECT_EQ(server->counters().idle, 2u);
+  EXPECT_EQ(server->counters().refused_full, 0u);
 }
 
 TEST_F(UnknownPeer, OfAnotherUserIsRefused) {
