@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -128,7 +129,8 @@ bool is_held(const fs::path& lock) {
 }
 
 /// The daemon that listens at a node's host port. Where its lock file was removed, as by a cleaner of temporary files,
-/// it lives all the same, and makes the file again within a second. @return -1 where none listens
+/// it lives all the same, and makes the file again within a second: for a moment that is there and not locked. @return
+/// -1 where none listens
 pid_t listening_at(const std::string& socket) {
   const process::UniqueFd connection = process::connect_unix(socket);
   return connection.valid() && process::is_of_our_user(connection.get()) ? process::peer_of(connection.get()).pid : -1;
@@ -200,10 +202,14 @@ std::string lock_file(const std::string& folder, std::uint8_t node) {
   return folder + "/" + std::to_string(node) + ".lock";
 }
 
+std::string socket_of(const std::string& folder, std::uint8_t node) {
+  return folder + "/" + std::to_string(node) + ".host";
+}
+
 /// What the lock file told of a daemon that lives, though that was removed.
 Holder listener_of(const std::string& folder, std::uint8_t node) {
   Holder holder;
-  holder.pid = listening_at(folder + "/" + std::to_string(node) + ".host");
+  holder.pid = listening_at(socket_of(folder, node));
   if (holder.pid <= 0) return {};
   const std::string process = "/proc/" + std::to_string(holder.pid);
   std::error_code unknown;
@@ -238,10 +244,14 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   if (!why_not_private(folder).empty()) return {};
   const std::string lock = lock_file(folder, node);
   const process::UniqueFd file = process::open_regular(lock);
-  const std::string untold = file.valid() ? "" : why_untold(lock, errno);
-  Holder holder = file.valid() ? told_by(file) : untold.empty() ? listener_of(folder, node) : Holder{};
-  holder.problem = untold;
-  const bool lives = file.valid() ? is_held(file) : holder.pid > 0;
+  Holder holder = file.valid() ? told_by(file) : Holder{};
+  if (!file.valid()) holder.problem = why_untold(lock, errno);
+  bool lives = file.valid() && is_held(file);
+  if (!lives && holder.problem.empty()) {
+    const Holder listener = listener_of(folder, node);
+    lives = listener.pid > 0;
+    if (lives) holder = listener;
+  }
   // Another process has that pid: it must not be signalled.
   if (lives && !may_be(holder.pid, holder)) holder.pid = -1;
   holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
@@ -266,15 +276,19 @@ std::optional<std::uint64_t> last_boot(const std::string& folder, std::uint8_t n
   return wire::load_u64(reinterpret_cast<const std::uint8_t*>(bytes.data()));
 }
 
+// The lock is looked at before the socket: a daemon that makes its file again listens all the time.
 std::vector<HeldNode> held_nodes(const std::string& folder) {
+  std::set<std::uint8_t> nodes;
+  for (const std::string& file : files_in(folder))
+    for (const char* kind : {".lock", ".host"})
+      if (const auto node = node_of(file, kind)) nodes.insert(*node);
   std::vector<HeldNode> held;
-  for (const fs::path file : files_in(folder)) {
-    std::error_code link;
-    const fs::path lock = fs::path(file).replace_extension(".lock");
-    if (const auto node = node_of(file, ".lock"); node && is_held(file))
-      held.push_back({*node, file.string(), holder_of(folder, *node).pid});
-    else if (const auto socket = node_of(file, ".host"); socket && !fs::exists(fs::symlink_status(lock, link)))
-      if (const pid_t pid = listening_at(file); pid > 0) held.push_back({*socket, lock.string(), pid});
+  for (const std::uint8_t node : nodes) {
+    const std::string lock = lock_file(folder, node);
+    if (is_held(fs::path(lock)))
+      held.push_back({node, lock, holder_of(folder, node).pid});
+    else if (const pid_t pid = listening_at(socket_of(folder, node)); pid > 0)
+      held.push_back({node, lock, pid});
   }
   return held;
 }

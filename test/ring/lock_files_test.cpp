@@ -78,6 +78,19 @@ TEST_F(RingFolder, HeldNodesAreThoseWhoseHolderLives) {
   EXPECT_EQ(nodes[0].pid, ::getpid());
 }
 
+// As it makes the file again that a cleaner of temporary files has removed: it is there before it is locked.
+TEST_F(RingFolder, ADaemonThatListensLivesThoughItsLockFileIsNotLocked) {
+  boost::asio::io_context io;
+  const host::Listener listener(io, ring, 7, "left_knee");
+  for (const bool is_there : {false, true}) {
+    if (is_there) std::ofstream(ring + "/7.lock") << "";
+    EXPECT_TRUE(holder_of(ring, 7).held);
+    EXPECT_EQ(holder_of(ring, 7).pid, ::getpid());
+    ASSERT_THAT(held_nodes(ring), SizeIs(1));
+    EXPECT_EQ(held_nodes(ring)[0].node, 7);
+  }
+}
+
 TEST_F(RingFolder, APidIsTakenFromNothingButItsLineAndTheRightProgram) {
   const auto held = lock_of(7);
   for (const char* text : {"10:16:33.123 info [legs/left_knee] up\n", "", "1\n", "99999999999\n"}) {
