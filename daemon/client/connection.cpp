@@ -267,8 +267,14 @@ void refuse_foreign_daemon(const UnixSocket& socket, const std::string& path) {
   throw HostPortError(path + " is served by another user's process");
 }
 
-/// Connects. @return nothing if nobody listens yet; `problem` then says so. @throw HostPortError for other errors
-std::optional<UnixSocket> open_socket(const Target& target, std::string& problem) {
+/// Why an attempt has failed, after which a later one may succeed.
+struct Failed {
+  std::string why;
+  bool is_there = false;  ///< the daemon is, and takes no more connections for now
+};
+
+/// Connects. @return nothing if nobody listens yet, or too many wait there. @throw HostPortError for other errors
+std::optional<UnixSocket> open_socket(const Target& target, Failed& failed) {
   refuse_foreign_folder(target.rings);
   refuse_foreign_folder(target.directory);
   std::optional<UnixSocket> socket = UnixSocket::connect(target.path);
@@ -277,10 +283,13 @@ std::optional<UnixSocket> open_socket(const Target& target, std::string& problem
     return socket;
   }
   const int why = errno;
-  problem = "cannot connect to " + target.path + ": " + std::strerror(why);
-  const bool may_come = why == ENOENT || why == ECONNREFUSED || why == EAGAIN;
-  if (!may_come) throw HostPortError(problem);
-  problem += " (is ringd running for this node of ring " + target.ring + "?)";
+  failed = {"cannot connect to " + target.path + ": " + std::strerror(why), why == EAGAIN};
+  if (failed.is_there) {
+    failed.why += " (too many programs want to connect)";
+    return std::nullopt;
+  }
+  if (why != ENOENT && why != ECONNREFUSED) throw HostPortError(failed.why);
+  failed.why += " (is ringd running for this node of ring " + target.ring + "?)";
   return std::nullopt;
 }
 
@@ -300,8 +309,8 @@ Clock::time_point answers_by(const ConnectOptions& options, Clock::time_point de
 
 /// One attempt to connect and greet. @return nothing if a later one may succeed
 std::optional<Connection> try_once(const Target& target, const ConnectOptions& options, Clock::time_point deadline,
-                                   std::string& problem) {
-  std::optional<UnixSocket> socket = open_socket(target, problem);
+                                   Failed& failed) {
+  std::optional<UnixSocket> socket = open_socket(target, failed);
   if (!socket) return std::nullopt;
   Connection connection(std::move(*socket), options);
   switch (connection.greet(options, target.ring, answers_by(options, deadline))) {
@@ -314,7 +323,7 @@ std::optional<Connection> try_once(const Target& target, const ConnectOptions& o
     case Connection::Handshake::closed:
       break;
   }
-  problem = target.path + ": the daemon closed the connection without a word";
+  failed = {target.path + ": the daemon closed the connection without a word"};
   return std::nullopt;
 }
 
@@ -323,11 +332,13 @@ std::optional<Connection> try_once(const Target& target, const ConnectOptions& o
 Connection open_connection(const ConnectOptions& options, Clock::time_point deadline) {
   Meanwhile meanwhile(options.meanwhile);
   const Target target = find_target(options, deadline, meanwhile);
+  const Clock::time_point in_time = answers_by(options, deadline);
   for (;;) {
-    std::string problem;
-    std::optional<Connection> connection = try_once(target, options, deadline, problem);
+    Failed failed;
+    std::optional<Connection> connection = try_once(target, options, deadline, failed);
     if (connection) return std::move(*connection);
-    if (Clock::now() >= deadline) throw HostPortTimeout(problem + who_is_there(target, options));
+    if (Clock::now() >= (failed.is_there ? in_time : deadline))
+      throw HostPortTimeout(failed.why + who_is_there(target, options));
     meanwhile.look();
     std::this_thread::sleep_for(kBetweenTries);
   }

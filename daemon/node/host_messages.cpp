@@ -86,7 +86,8 @@ std::size_t HostServer::attached_for_long() const {
 
 void HostServer::on(Session& session, const client::Greeting& greeting) {
   const bool has_kept_place = greeting.asks_only || greeting.role == Role::cpu;
-  if (!has_kept_place && attached_for_long() >= options_.max_clients && !make_room(/*greeted=*/true)) {
+  if (!has_kept_place && attached_for_long() >= options_.max_clients &&
+      !make_room(session.info().pid, /*greeted=*/true)) {
     ++counters_.refused_full;
     return disconnect(session.info().id, full());
   }

@@ -85,7 +85,7 @@ void HostServer::admit(process::UniqueFd socket) {
     return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +
                         std::to_string(peer.uid));
   }
-  if (sessions_.size() >= options_.max_clients + kKeptPlaces && !make_room(/*greeted=*/false)) {
+  if (sessions_.size() >= options_.max_clients + kKeptPlaces && !make_room(info.pid, /*greeted=*/false)) {
     ++counters_.refused_full;
     return session->end(full());
   }
@@ -93,26 +93,29 @@ void HostServer::admit(process::UniqueFd socket) {
   session->start();
 }
 
-/// Somebody has to go, so that a place gets free: who has not greeted, else who is idle; of those one of the process
-/// that holds the most places, and of that one's who is so for the longest.
+/// Somebody has to go, so that a place gets free for a client of process `comer`: who has not greeted, else who is
+/// idle, or of another process that holds more than half of the places. Of those one of the process that holds the
+/// most, and of that one's who is idle for the longest.
 /// @param greeted only those who have, and need a place for long @return false where nobody is
-bool HostServer::make_room(bool greeted) {
+bool HostServer::make_room(pid_t comer, bool greeted) {
   std::map<pid_t, unsigned> places;
   for (const auto& [id, session] : sessions_) ++places[session->info().pid];
   const auto rank = [&](const Session& one) {
     return std::make_tuple(!one.attached(), places[one.info().pid], one.idle_for());
   };
+  const auto may_go = [&](const SessionPtr& one) {
+    if (!one->attached()) return !greeted && one != booting_cpu_;
+    if (one == cpu_ || (greeted && one->info().asks_only)) return false;
+    const pid_t holder = one->info().pid;
+    return one->idle_for() >= kIdleFor || (holder != comer && places[holder] > options_.max_clients / 2);
+  };
   const Session* goes = nullptr;
-  for (const auto& [id, session] : sessions_) {
-    const bool is_idle = session->idle_for() >= kIdleFor && !(greeted && session->info().asks_only);
-    const bool may_go = session->attached() ? is_idle : !greeted && session != booting_cpu_;
-    if (may_go && (goes == nullptr || rank(*goes) < rank(*session))) goes = session.get();
-  }
+  for (const auto& [id, session] : sessions_)
+    if (may_go(session) && (goes == nullptr || rank(*goes) < rank(*session))) goes = session.get();
   if (goes == nullptr) return false;
-  const bool idle = goes->attached();
-  ++(idle ? counters_.idle : counters_.never_greeted);
-  disconnect(goes->info().id,
-             std::string(idle ? "nothing was asked for for 2 s" : "no greeting came") + ", and others want the place");
+  ++(goes->attached() ? counters_.displaced : counters_.never_greeted);
+  disconnect(goes->info().id, std::string(goes->attached() ? "all places are taken" : "no greeting came") +
+                                  ", and others want this one (limits.clients)");
   return true;
 }
 

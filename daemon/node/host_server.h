@@ -48,7 +48,7 @@ struct HostCounters {
   std::uint64_t refused_unwatched = 0;  ///< the kernel watches no more descriptors for us
   std::uint64_t garbage = 0;            ///< closed for bytes that are no message
   std::uint64_t never_greeted = 0;      ///< closed for not greeting in time, or before others that want the place
-  std::uint64_t idle = 0;               ///< closed while idle, as others want the place
+  std::uint64_t displaced = 0;          ///< closed as others want the place
   std::uint64_t slow_clients = 0;       ///< closed for not reading what was for them
   std::uint64_t observed_lost = 0;      ///< Observed left out for observers that read too slowly
   std::uint64_t captured_lost = 0;      ///< captured packets left out for observers that read too slowly
@@ -74,7 +74,7 @@ class HostServer final : private SessionOwner {
   /// stop from the node, nor its CPU.
   static constexpr unsigned kKeptPlaces = 8;
   /// Where all places are taken, a client that observes nothing, has asked for nothing for so long, and waits for no
-  /// answer makes room for the next one.
+  /// answer makes room for the next one; and one of a process that holds more than half of them, for another process.
   static constexpr std::chrono::seconds kIdleFor{2};
   /// What clients say may take this time in one turn of the event loop, and at least one message of each is handled: a
   /// status takes 55 us, and packets wait meanwhile.
@@ -130,7 +130,7 @@ class HostServer final : private SessionOwner {
   void accept();
   void accept_again_later(const boost::system::error_code& why);
   void admit(process::UniqueFd socket);
-  bool make_room(bool greeted);
+  bool make_room(pid_t comer, bool greeted);
   std::size_t attached_for_long() const;
   std::string full() const;
   SessionPtr make_session(process::UniqueFd socket, const ClientInfo& info);

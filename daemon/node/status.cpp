@@ -68,7 +68,7 @@ json counters_json(const StatusSources& from) {
   const host::HostCounters& h = from.host.counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full + h.refused_unwatched;
   all["host_garbage"] = h.garbage + h.never_greeted;
-  all["host_idle"] = h.idle;
+  all["host_displaced"] = h.displaced;
   all["host_slow_clients"] = h.slow_clients;
   all["host_rejected"] = h.rejected;
   all["host_observed_lost"] = h.observed_lost;

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <future>
+#include <mutex>
 
 #include "client/fake_daemon.h"
+#include "client/frame.h"
 #include "limb_ring/host_port.h"
 #include "support/runtime_folder.h"
 #include "support/thrown.h"
@@ -81,6 +83,28 @@ TEST_F(StubbornDaemon, EndingWhileAskedEndsTheQuestion) {
   daemon.hear(1);
   daemon.hang_up();
   EXPECT_THROW(answer.get(), HostPortError);
+}
+
+TEST_F(StubbornDaemon, IsWaitedForWhereTooManyOthersWaitThereThoughNobodyWaitsForOneToCome) {
+  std::vector<client::UnixSocket> others;
+  while (auto other = client::UnixSocket::connect(socket_path(ring_directory("r"), "3", "host")))
+    others.push_back(std::move(*other));
+  ASSERT_EQ(errno, EAGAIN);
+  ConnectOptions options;
+  options.ring = "r";
+  options.node = "3";
+  options.timeout = milliseconds{0};
+  std::promise<void> is_full;
+  std::once_flag once;
+  options.meanwhile = [&] { std::call_once(once, [&] { is_full.set_value(); }); };
+  auto port = std::async(std::launch::async, [&] { return HostPort::connect(options); });
+  ASSERT_EQ(is_full.get_future().wait_for(kGuard), std::future_status::ready);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    daemon.accept();
+    daemon.hang_up();
+  }
+  daemon.welcome();
+  EXPECT_EQ(port.get().id(), 3);
 }
 
 TEST_F(StubbornDaemon, GivesItsReasonForEndingAConnection) {

@@ -1,6 +1,9 @@
 // Clients that say nonsense, nothing, or the wrong thing, and clients that are not wanted.
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 #include <random>
 
@@ -50,7 +53,7 @@ TEST_F(UnknownPeer, SayingNothingKeepsNobodyOutHoweverManyThereAre) {
   expect_still_serving();
   EXPECT_GT(server->counters().never_greeted, 0u);
   EXPECT_EQ(server->counters().refused_full, 0u);
-  EXPECT_THAT(shown_out(silent.front()), HasSubstr("others want the place"));
+  EXPECT_THAT(shown_out(silent.front()), HasSubstr("others want this one"));
 }
 
 TEST_F(UnknownPeer, TalkingAnotherProtocolIsDisconnected) {
@@ -184,9 +187,12 @@ TEST_F(UnknownPeer, OfAnotherVersionIsToldBoth) {
 }
 
 TEST_F(UnknownPeer, BeyondTheLimitOfClientsIsToldTheLimit) {
-  const HostPort one = tool(), two = tool(), three = tool();
+  HostPort one = tool(), two = tool(), three = tool();
+  for (HostPort* port : {&one, &two, &three}) port->observe("{}");  // an idle one would make room
   {
-    const HostPort four = tool();
+    HostPort four = tool();
+    four.observe("{}");
+    until([&] { return handler.observers.size() == 4; });
     EXPECT_THAT(test::thrown<HostPortError>([&] { tool(); }), HasSubstr("limits.clients"));
     EXPECT_EQ(server->counters().refused_full, 1u);
   }
@@ -217,10 +223,29 @@ TEST_F(UnknownPeer, ThatGreetsAndStaysSilentKeepsNobodyOut) {
   until([&] { return std::chrono::steady_clock::now() > all_idle; });
   const HostPort asks = connect(who_asks());
   const HostPort stays = tool();
-  EXPECT_THAT(shown_out(silent[0]), HasSubstr("others want the place"));
+  EXPECT_THAT(shown_out(silent[0]), HasSubstr("others want this one"));
   EXPECT_FALSE(silent[1].hung_up() || silent[2].hung_up());
-  EXPECT_EQ(server->counters().idle, 2u);
+  EXPECT_EQ(server->counters().displaced, 2u);
   EXPECT_EQ(server->counters().refused_full, 0u);
+}
+
+TEST_F(UnknownPeer, OfAProcessThatHoldsMostPlacesMakesRoomForAnotherProcess) {
+  const pid_t other = ::fork();
+  if (other == 0) {
+    std::vector<RawClient> all;
+    for (int i = 0; i < 4; ++i) {
+      all.emplace_back("r", "3");
+      all.back().say(client::Greeting{});
+      all.back().say(client::ObserveRequest{"{}"});
+    }
+    for (;;) ::pause();
+  }
+  until([&] { return handler.observers.size() == 4; });
+  const HostPort one = tool(), two = tool();
+  EXPECT_THAT(test::thrown<HostPortError>([&] { tool(); }), HasSubstr("limits.clients")) << "half of them are ours";
+  EXPECT_EQ(server->counters().displaced, 2u);
+  ::kill(other, SIGKILL);
+  ::waitpid(other, nullptr, 0);
 }
 
 TEST_F(UnknownPeer, OfAnotherUserIsRefused) {
