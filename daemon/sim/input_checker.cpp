@@ -71,17 +71,20 @@ void InputChecker::input_changes(NodeId node, Line line, Time now) {
 
 // With the first `begin` that a node hears on the second line its input is another one, with a `last` or a `lost` it is
 // lost: a DATP that was coming in there is broken off. (protocol.md sections 2.6 and 8.11) Which fold node a node knows
-// cannot be told from outside, but that it still knows the one whose `begin` came a little earlier.
+// cannot be told from outside, but that it still knows the one whose `begin` came a little earlier. By the word of its
+// neighbour its output may be another one.
 void InputChecker::word_arrives(NodeId node, wire::FoldWord word, Line line, Time now) {
   using Kind = wire::FoldWordKind;
-  if (line != Line::second || word.kind == Kind::deaf || word.kind == Kind::hears) return;
+  if (line != Line::second) return;
+  const bool of_neighbour = word.kind == Kind::deaf || word.kind == Kind::hears;
+  if (of_neighbour) return record_.at(node).line_may_have_changed();
   follow_input(node, now);
   Incoming& in = incoming_[node];
   const bool begins = word.kind == Kind::begin, known = now < in.fold_known_until;
   if (begins && (known || word.node == node)) return;
   const core::Duration surely = (wire::kMissedBeacons - 1) * record_.at(node).settings.beacon;
   in.fold_known_until = begins && record_.ring.alive(word.node) ? now + surely : Time{};
-  record_.at(node).control.may_be_dropped = true;
+  record_.at(node).line_may_have_changed();
   if (in.input == Line::second && in.collector.open() && in.own) record_.ledger.returned_damaged(node, false);
 }
 

@@ -41,11 +41,15 @@ void Invariants::input_changes(NodeId node, Line line, Time now) {
   inputs_.input_changes(node, line, now);
   NodeRecord& n = record_.at(node);
   n.receiver.input_changes(now);
+  n.line_may_have_changed();
   n.input_changed_at = now;
   if (n.output_lost_at == now) n.lines_crossed_at = now;
 }
 
-void Invariants::output_ready(NodeId node, bool, Time now) { record_.at(node).forwarding.released(now); }
+void Invariants::output_ready(NodeId node, bool, Time now) {
+  record_.at(node).forwarding.released(now);
+  record_.at(node).line_may_have_changed();
+}
 
 // ---- CPUs -----------------------------------------------------------------------------------
 
@@ -119,7 +123,10 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
   if (incident == Incident::thawed) n.history.thawed = now;
-  if (incident == Incident::output_replaced) n.output_lost_at = now;
+  if (incident == Incident::output_replaced) {
+    n.output_lost_at = now;
+    n.line_may_have_changed();
+  }
   if (incident == Incident::killed) results_.judge_open(node, false);
   if (incident == Incident::started) starts(node, now);
   if (incident == Incident::started || incident == Incident::cpu_reset) n.buffers.flush();

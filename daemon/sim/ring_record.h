@@ -21,7 +21,7 @@ struct NodeRecord {
     std::uint8_t code = 0;
     std::uint32_t crc = 0;  ///< 0: none is out
     bool hello = false;
-    bool may_be_dropped = false;  ///< its input may have changed since: then a joining node says another hello
+    bool may_be_dropped = false;  ///< a line of it may have come up since: then a joining node says another hello
     Time left{};
 
     template <class Archive>
@@ -42,6 +42,13 @@ struct NodeRecord {
         "lines_crossed_at", lines_crossed_at);
   }
 
+  /// A line has come up or gone, or seems so by a fold word, where the ring folds back: a joining node may say another
+  /// hello, and one that is starting may start over, which it does not show.
+  void line_may_have_changed() {
+    if (!settings.fold_back) return;
+    control.may_be_dropped = true;
+    if (history.state == core::NodeState::starting) receiver.may_start_over();
+  }
   /// Its hello has begun to leave since it began: in an open chain it has joined by that. (protocol.md section 4.8)
   bool hello_leaves() const { return hello_left || (hello_begun && *hello_begun >= began); }
 

@@ -17,6 +17,9 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr unsigned kSteps = 1200;
+constexpr unsigned kStepsToStorm = 16;
+/// Before a storm: longer than ends take to notice, a node to join, and a beacon to come.
+constexpr Duration kMostBeforeStorm = 2ms;
 
 }  // namespace
 
@@ -62,7 +65,8 @@ void RandomFaults::tap_all(Line line) {
 void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
   history_.count_slice(id, line);
   if (quiet_ && sim::is_traffic(slice)) ++slices_when_quiet_;
-  if (!quiet_ && draws_.once_in(world_.drop)) return history_.add_slice(Kind::lose_slice, id, line);
+  const bool word_lost = !quiet_ && slice.kind == wire::SliceKind::fold && wide_.once_in(world_.lost_words);
+  if (word_lost || (!quiet_ && draws_.once_in(world_.drop))) return history_.add_slice(Kind::lose_slice, id, line);
   if (quiet_ || slice.bytes.empty() || !draws_.once_in(world_.damage)) return lines_.pass(id, line, slice, arriving);
   const auto bits = static_cast<std::uint8_t>(1 + draws_.below(255));
   const std::size_t at = draws_.below(static_cast<unsigned>(slice.bytes.size));
@@ -108,6 +112,7 @@ void RandomFaults::act() {
     stands_still ? stand_still(node) : hold_output(node);
   }
   if (world_.in_parts && wide_.once_in(world_.trouble)) burst();
+  if (world_.storms && wide_.once_in(kStepsToStorm)) storm();
   if (draws_.once_in(7))
     interrupt();
   else
@@ -198,11 +203,20 @@ void RandomFaults::burst() {
   }
 }
 
+void RandomFaults::storm() {
+  mend_all();
+  ring_.run_for(Duration{1ns} * wide_.below(kMostBeforeStorm / 1ns));
+  note_violation();
+  if (goes_on()) burst();
+}
+
 void RandomFaults::strike(NodeId node) {
-  switch (wide_.below(9)) {
+  switch (wide_.below(world_.storms ? 11 : 9)) {
     case 0:
       return part_or_regroup(node);
     case 1:
+    case 9:
+    case 10:
       return power_cycle(node);
     case 2:
       return freeze_or_thaw(node);
@@ -296,15 +310,20 @@ void RandomFaults::freeze_or_thaw(NodeId node) {
 
 // ---- afterwards -----------------------------------------------------------------------------
 
-void RandomFaults::calm_down() {
-  quiet_ = true;
+void RandomFaults::mend_all() {
   lines_.mend_all();
   ring_.regroup();
+  parted_ = false;
   for (const NodeId node : world_.order) {
     ring_.set_cpu_reads(node, true);
     heal(node);
     if (!ring_.alive(node)) freeze_or_thaw(node);
   }
+}
+
+void RandomFaults::calm_down() {
+  quiet_ = true;
+  mend_all();
   run_until_calm();
 }
 

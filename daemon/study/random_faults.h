@@ -60,6 +60,8 @@ class RandomFaults {
   void interrupt();
   void fault();
   void burst();
+  void storm();
+  void mend_all();
   void strike(wire::NodeId node);
   void power_cycle(wire::NodeId node);
   void part_or_regroup(wire::NodeId node);

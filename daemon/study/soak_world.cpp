@@ -10,7 +10,9 @@ using wire::NodeId;
 using namespace std::chrono_literals;
 
 SoakWorld::SoakWorld(FoldingRings folding, WorldKind kind, Draws& draws, Draws& wide)
-    : is_wide(kind != WorldKind::usual), in_parts(kind == WorldKind::parts) {
+    : is_wide(kind != WorldKind::usual),
+      in_parts(kind == WorldKind::parts || kind == WorldKind::storms),
+      storms(kind == WorldKind::storms) {
   choose_mix(folding, draws);
   if (in_parts) choose_parts(folding, wide);
   choose_nodes(wide);
@@ -38,6 +40,11 @@ void SoakWorld::choose_parts(FoldingRings folding, Draws& wide) {
   const unsigned levels[] = {400, 100, 33};
   trouble = levels[wide.below(3)];
   doubles = false;
+  if (!storms) return;
+  nodes = 3 + wide.below(4);
+  folds_back = true;
+  const unsigned losses[] = {0, 0, 8, 3};
+  lost_words = losses[wide.below(4)];
 }
 
 void SoakWorld::choose_nodes(Draws& wide) {
@@ -88,10 +95,12 @@ std::string SoakWorld::describe() const {
   };
   return std::to_string(nodes) + " nodes, lines " + (paced ? "of 1 Gbit/s" : "without a rate") +
          (folds_back ? ", folding back" : "") +
-         (in_parts  ? ", on hosts that lose each other"
-          : is_wide ? ", a wide world"
-                    : "") +
-         rate("a slice lost", drop) + rate("damaged", damage) + rate("a fault in a step", trouble);
+         (storms     ? ", in storms"
+          : in_parts ? ", on hosts that lose each other"
+          : is_wide  ? ", a wide world"
+                     : "") +
+         rate("a slice lost", drop) + rate("a fold word lost", lost_words) + rate("damaged", damage) +
+         rate("a fault in a step", trouble);
 }
 
 using scenario::SoakAction;

@@ -34,8 +34,10 @@ enum class FoldingRings { some, all };
 /// while, nodes that stand still and keep what comes, and traffic once more when all is mended; or in parts: a wide one
 /// of up to 16 nodes, on several hosts, of which half fold back. There the two ends of a line that is gone notice that
 /// independently, nothing to kNoticedWithin later; hosts lose each other and regroup; and strikes come in bursts, near
-/// each other and within a lap.
-enum class WorldKind { usual, wide, parts };
+/// each other and within a lap; or storms: in parts, of 3 to 6 nodes that fold back, where again and again all is
+/// mended and such a burst comes, so that each meets a ring that is whole, or not yet; in half of them fold words are
+/// lost.
+enum class WorldKind { usual, wide, parts, storms };
 /// The `silence` of a link (protocol.md section 7.4) beside the short times of these rings.
 constexpr core::Duration kNoticedWithin = std::chrono::microseconds(300);
 
@@ -52,6 +54,8 @@ struct SoakWorld {
 
   bool is_wide;
   bool in_parts;  ///< its hosts lose each other
+  bool storms;
+  unsigned lost_words = 0;  ///< once in so many fold words; 0: never
   unsigned nodes = 16;
   core::RingOrder order;
   std::vector<core::Duration> delays;  ///< of the lines into the nodes, by place; of a wide world

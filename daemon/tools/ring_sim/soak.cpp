@@ -32,7 +32,7 @@ struct SoakOptions {
   app::Format format = app::Format::text;
 };
 
-const char* const kWorlds[] = {"usual", "wide", "parts"};  // by study::WorldKind
+const char* const kWorlds[] = {"usual", "wide", "parts", "storms"};  // by study::WorldKind
 
 /// Sends by outcome, and hops, over all seeds so far.
 struct Tally {
@@ -187,8 +187,9 @@ void add_world(CLI::App& command, SoakOptions& options) {
           },
           "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
           "still; parts: that up to 16 nodes, hosts that lose each other and regroup, ends of lines that notice late, "
-          "faults in bursts within a lap")
-      ->transform(cli::one_of({"usual", "wide", "parts"}));
+          "faults in bursts within a lap; storms: 3 to 6 nodes that fold back, mended again and again before such a "
+          "burst")
+      ->transform(cli::one_of({"usual", "wide", "parts", "storms"}));
 }
 
 void add_shrink(CLI::App& command, SoakOptions& options) {
