@@ -153,12 +153,12 @@ bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
 	$(BUILD)-bench/devel/lib/limb_ring/bench_core_hop
 
 # Needs the programs: they know best what their options are.
-docs: build ## The manual as HTML, into build/docs (needs python3-sphinx, python3-myst-parser, furo)
+docs: build ## The manual as HTML, into build/docs, with the playground if it was built (needs python3-sphinx, python3-myst-parser, furo)
 	@$(PYTHON) -c 'import furo, myst_parser, sphinx' 2> /dev/null || \
 	  { echo "make docs needs Sphinx: apt-get install python3-sphinx python3-myst-parser furo"; exit 2; }
 	PYTHONPATH=$(BUILD)/devel/lib/python3/dist-packages $(PYTHON) docs/generate_reference.py --programs $(BUILD)/devel/lib/limb_ring
 	$(PYTHON) -m sphinx -W --keep-going -q -b html docs $(BUILD)/docs
-	@[ ! -d $(BUILD)-playground/page ] || cp -r $(BUILD)-playground/page $(BUILD)/docs/playground
+	@[ -d $(BUILD)-playground/page ] || echo "Without the playground, which 'make playground' builds"
 	@echo "The manual: $(BUILD)/docs/index.html"
 
 # Without emscripten it says so and ends with 77.

@@ -1,6 +1,8 @@
 """Settings of the manual: `make docs` builds it as HTML. Readable as Markdown on a forge, too."""
+import html
 import os
 import re
+import shutil
 
 _HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -31,7 +33,29 @@ def _unlink(name, text):
     return re.sub(r'\[([^\]]+)\]\(([^)\s]+)\)', link, text)
 
 
+# What `make playground` has built. Without it the pages that embed it say nothing of it.
+_PLAYGROUND = os.environ.get('PLAYGROUND') or os.path.join(_HERE, '..', 'build-playground', 'page')
+
+
+def _embed(name, text):
+    """The playground for <!-- playground #ADDRESS: TITLE -->, below its title; it is loaded when somebody opens that."""
+    def frame(match):
+        if not os.path.isdir(_PLAYGROUND):
+            return ''
+        page = html.escape('../' * name.count('/') + 'playground/index.html' + match.group(1))
+        title = html.escape(match.group(2))
+        return ('<details><summary>%s</summary><p><a href="%s">In a tab of its own</a>. It needs a web server: '
+                'browsers load no modules from files.</p><iframe src="%s" title="%s" loading="lazy" '
+                'style="width: 100%%; height: 44rem; border: 1px solid"></iframe></details>\n' % (title, page, page, title))
+    return re.sub(r'<!-- playground (#\S*): (.*?) -->\n', frame, text)
+
+
 def setup(app):
     def read(_, name, source):
-        source[0] = _unlink(name, source[0])
+        source[0] = _embed(name, _unlink(name, source[0]))
+
+    def finished(app, problem):
+        if problem is None and app.builder.format == 'html' and os.path.isdir(_PLAYGROUND):
+            shutil.copytree(_PLAYGROUND, os.path.join(app.outdir, 'playground'), dirs_exist_ok=True)
     app.connect('source-read', read)
+    app.connect('build-finished', finished)

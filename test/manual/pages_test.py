@@ -1,7 +1,10 @@
 """Every link of the pages leads to a file and a heading that are there, the README is short, and one version stands everywhere."""
 import os
 import re
+import runpy
+import tempfile
 import unittest
+from unittest import mock
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 LINK = re.compile(r'\]\(([^)\s]+)\)')
@@ -63,6 +66,29 @@ class Pages(unittest.TestCase):
                 if target.endswith('.md') and os.path.exists(os.path.join(ROOT, target)):
                     todo.append(target)
         self.assertEqual([page for page in pages() if page not in seen], [])
+
+
+class Playground(unittest.TestCase):
+    MARK = 'Before.\n\n<!-- playground #show=case&pace=0.1: The "worst" case -->\n\nAfter.\n'
+
+    def embedded(self, page, folder):
+        with mock.patch.dict(os.environ, PLAYGROUND=folder):
+            return runpy.run_path(os.path.join(ROOT, 'docs', 'conf.py'))['_embed'](page, self.MARK)
+
+    def test_a_page_embeds_it_where_it_was_built(self):
+        with tempfile.TemporaryDirectory() as built:
+            text = self.embedded('tutorial/2_break_and_reset', built)
+        self.assertIn('<iframe src="../playground/index.html#show=case&amp;pace=0.1" title="The &quot;worst&quot; case" loading="lazy"', text)
+        self.assertRegex(text, r'(?s)^Before\.\n\n<details>.*</details>\n\nAfter\.\n$')
+
+    def test_a_page_says_nothing_of_it_where_it_was_not_built(self):
+        self.assertEqual(self.embedded('index', os.path.join(ROOT, 'nowhere')), 'Before.\n\n\nAfter.\n')
+
+    def test_each_page_that_embeds_it_does_so_in_a_line_of_its_own(self):
+        marked = {page: len(re.findall('<!-- playground', read(page))) for page in pages()}
+        self.assertGreaterEqual(sum(marked.values()), 4)
+        for page, count in marked.items():
+            self.assertEqual(len(re.findall(r'^<!-- playground #\S*: .* -->$', read(page), re.M)), count, page)
 
 
 class Version(unittest.TestCase):

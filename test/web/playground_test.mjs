@@ -1,14 +1,14 @@
 // The simulator as WebAssembly beside the programs: PAGE is the playground's folder, PROGRAMS that of ring_sim and ringctl.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 import test from 'node:test';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const { PAGE, PROGRAMS } = process.env;
 const root = fileURLToPath(new URL('../..', import.meta.url));
-const { simulator } = await import(pathToFileURL(join(PAGE, 'tab.mjs')));
+const { readAddress, simulator } = await import(pathToFileURL(join(PAGE, 'tab.mjs')));
 const ask = await simulator({ wasmBinary: readFileSync(join(PAGE, 'limb_ring.wasm')) });
 const examples = JSON.parse(readFileSync(join(PAGE, 'examples.json'), 'utf8'));
 for (const [path, text] of Object.entries(examples)) assert.deepEqual(ask({ do: 'file', path, text }), {});
@@ -83,6 +83,22 @@ test('a wire that is cut is located, and the ring closes when it is mended', () 
 test('an order that makes no sense changes nothing and says why', () => {
   for (const words of [['reset', 'nobody'], ['fault', 'explode', 'node1'], ['fault', 'cut', 'node1:node5'], ['down'], []])
     assert.equal(ask({ do: 'order', words }).code, 2, words.join(' '));
+});
+
+test('the addresses in the manual show what they say: all words are known, and what they do to the ring can be done', () => {
+  const docs = join(root, 'docs'), pages = readdirSync(docs, { withFileTypes: true }).filter((one) => one.isDirectory())
+    .flatMap((folder) => readdirSync(join(docs, folder.name)).filter((file) => file.endsWith('.md')).map((file) => join(docs, folder.name, file)));
+  const addresses = pages.flatMap((page) => [...readFileSync(page, 'utf8').matchAll(/<!-- playground (#\S*): /g)].map((match) => match[1]));
+  assert.ok(addresses.length >= 4);
+  for (const address of addresses) {
+    const shown = readAddress(address);
+    assert.equal(Object.keys(shown).length, [...new URLSearchParams(address.slice(1))].length, address);
+    ask({ do: 'open', ring: examples[`/config/${shown.ring ?? 'humanoid16'}.yaml`] });
+    for (const [at, ...words] of shown.orders ?? []) {
+      ask({ do: 'run', for_us: at, most: 1e9 });
+      assert.equal(ask({ do: 'order', words }).code, 0, address);
+    }
+  }
 });
 
 test('the load that is asked for is the load on the lines', () => {

@@ -32,6 +32,7 @@ async function begin() {
   open(shown.orders);
   if (shown.show === 'case') runCase();
   if (shown.show === 'scenario') runScenario();
+  if (shown.show) window.scrollTo(0, by(`${shown.show}s`).offsetTop);
   requestAnimationFrame(frame);
 }
 
