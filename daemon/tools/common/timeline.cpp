@@ -1,6 +1,7 @@
 #include "tools/common/timeline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <set>
@@ -23,6 +24,16 @@ constexpr int kLines = 1, kCpus = 2;
 
 Line line_of(const SeenPacket& packet) { return {packet.info.from, packet.info.to}; }
 int track_of(const Line& line) { return line.first * 256 + line.second + 1; }
+/// None of a line's: a number may name one track only. Nor its group's number, which would make it the "main thread".
+int track_of(std::uint8_t node) { return 0x10001 + node; }
+
+/// So that both ways in which readers come to whole nanoseconds give the same: the digits up to the third behind the
+/// point, and 1000 times the number, cut off. A slice that lasts 1 ns too long would not be shown at all.
+double timestamp_us(std::chrono::nanoseconds time) {
+  const auto ns = static_cast<double>(time.count());
+  const double us = ns / 1000;
+  return us * 1000 < ns ? std::nextafter(us, us + 1) : us;
+}
 
 class Timeline {
  public:
@@ -41,7 +52,7 @@ class Timeline {
     for (std::size_t i = 0; i < packets.size(); ++i) packet(packets[i], ends[i]);
     arrows(packets);
     for (const auto& event : events)
-      instant(kCpus, event.node + 1, event.what, std::chrono::nanoseconds(event.time_ns));
+      instant(kCpus, track_of(event.node), event.what, std::chrono::nanoseconds(event.time_ns));
     out_ << "\n]}\n";
   }
 
@@ -75,8 +86,6 @@ class Timeline {
     return ends;
   }
 
-  double us(std::chrono::nanoseconds time) const { return static_cast<double>((time - begin_).count()) / 1000; }
-
   void put(const json& event) {
     out_ << (first_ ? "\n" : ",\n") << event.dump();
     first_ = false;
@@ -99,7 +108,7 @@ class Timeline {
     for (const Line& line : lines) name(kLines, track_of(line), names_.line(line.first, line.second));
     std::set<std::uint8_t> nodes;
     for (const auto& event : events) nodes.insert(event.node);
-    for (const std::uint8_t node : nodes) name(kCpus, node + 1, names_.of(node));
+    for (const std::uint8_t node : nodes) name(kCpus, track_of(node), names_.of(node));
   }
 
   std::string destination(const SeenPacket& packet) const {
@@ -127,7 +136,8 @@ class Timeline {
   }
 
   void instant(int group, int track, const std::string& what, std::chrono::nanoseconds at, const json& args = {}) {
-    json event{{"ph", "i"}, {"s", "t"}, {"pid", group}, {"tid", track}, {"ts", us(at)}, {"name", what}};
+    json event{{"ph", "i"},   {"s", "t"}, {"pid", group}, {"tid", track}, {"ts", timestamp_us(at - begin_)},
+               {"name", what}};
     if (!args.is_null()) event["args"] = args;
     put(event);
   }
@@ -138,8 +148,8 @@ class Timeline {
     put({{"ph", "X"},
          {"pid", kLines},
          {"tid", track},
-         {"ts", us(packet.began)},
-         {"dur", static_cast<double>((end - packet.began).count()) / 1000},
+         {"ts", timestamp_us(packet.began - begin_)},
+         {"dur", timestamp_us(end - packet.began)},
          {"name", title(packet)},
          {"args", facts(packet)}});
   }
@@ -159,7 +169,7 @@ class Timeline {
              {"id", trip},
              {"pid", kLines},
              {"tid", track_of(line_of(packets[seen[i]]))},
-             {"ts", us(packets[seen[i]].began)}});
+             {"ts", timestamp_us(packets[seen[i]].began - begin_)}});
       }
     }
   }
