@@ -92,9 +92,20 @@ std::string scale(double left, double width, double height, double most, const s
 constexpr std::size_t kBins = 60;
 constexpr double kWidth = 420, kHeight = 110, kLeft = 24, kBelow = 22, kRight = 30;
 
-std::string histogram(const StreamLatencies& stream) {
-  const double largest = *std::max_element(stream.latencies.begin(), stream.latencies.end());
-  const double most = std::max(largest, stream.bound.value_or(0)) * 1.08 + 1e-9;
+/// The smallest value that at least this share of all does not exceed (nearest rank). @param sorted not empty
+double quantile(const std::vector<double>& sorted, double share) {
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+}
+
+/// Where the scale ends. A few that are far beyond the rest would leave no room for these: the last bar has them.
+double end_of_scale(const std::vector<double>& sorted, double bound) {
+  const double usual = std::max(1.5 * quantile(sorted, 0.99), bound);
+  return (sorted.back() > 1.5 * usual ? usual : std::max(sorted.back(), bound)) * 1.08 + 1e-9;
+}
+
+std::string histogram(const StreamLatencies& stream, const std::vector<double>& sorted) {
+  const double most = end_of_scale(sorted, stream.bound.value_or(0));
   std::array<std::size_t, kBins> bins{};
   for (const double one : stream.latencies)
     ++bins[std::min(kBins - 1, static_cast<std::size_t>(one / most * static_cast<double>(kBins)))];
@@ -103,35 +114,30 @@ std::string histogram(const StreamLatencies& stream) {
   for (std::size_t i = 0; i < kBins; ++i) {
     if (bins[i] == 0) continue;
     const double tall = std::max(1.5, (kHeight - 16) * static_cast<double>(bins[i]) / fullest);
-    const double from = most / kBins * static_cast<double>(i);
-    parts +=
-        rectangle("bar", kLeft + kWidth / kBins * static_cast<double>(i), kHeight - tall, kWidth / kBins - 1, tall,
-                  std::to_string(bins[i]) + " of " + number(from, 2) + " to " + number(from + most / kBins, 2) + " us");
+    const double from = most / kBins * static_cast<double>(i), x = kLeft + kWidth / kBins * static_cast<double>(i);
+    const bool open = i + 1 == kBins && sorted.back() > most;
+    parts += rectangle("bar", x, kHeight - tall, kWidth / kBins - 1, tall,
+                       std::to_string(bins[i]) + " of " + number(from, 2) +
+                           (open ? " us and more" : " to " + number(from + most / kBins, 2) + " us"));
+    if (open) parts += text("axis", x, kHeight - tall - 4, "and more");
   }
   if (stream.bound) {
     const double x = kLeft + kWidth * *stream.bound / most;
-    parts += upright("bound", x, kHeight) + "<g style=\"text-anchor: end\">" +
-             text("limit", x - 5, 11, "bound " + number(*stream.bound, 1)) + "</g>";
+    const bool right = x < kLeft + kWidth / 2;  // there is room for its words
+    parts += upright("bound", x, kHeight) + "<g style=\"text-anchor: " + (right ? "start" : "end") + "\">" +
+             text("limit", right ? x + 5 : x - 5, 11, "bound " + number(*stream.bound, 1)) + "</g>";
   }
   return svg(kLeft + kWidth + kRight, kHeight + kBelow, "Histogram of " + stream.name, parts);
 }
 
-/// The smallest value that at least this share of all does not exceed (nearest rank). @param sorted not empty
-double quantile(const std::vector<double>& sorted, double share) {
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
-}
-
-std::string facts(const StreamLatencies& stream) {
-  std::vector<double> sorted = stream.latencies;
-  std::sort(sorted.begin(), sorted.end());
-  const bool late = stream.bound && sorted.back() > *stream.bound;
+std::string facts(const StreamLatencies& stream, const std::vector<double>& sorted) {
+  const auto late = stream.bound ? sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), *stream.bound) : 0;
   return std::to_string(sorted.size()) + (sorted.size() == 1 ? " message" : " messages") + ", median " +
          number(quantile(sorted, 0.5), 2) + ", 99 % " + number(quantile(sorted, 0.99), 2) + ", largest " +
          number(sorted.back(), 3) + " us" +
          (!stream.bound ? "; no bound"
-          : late        ? "; ✕ beyond its bound"
-                        : "; ✓ within its bound");
+          : late == 0   ? "; ✓ within its bound"
+                        : "; ✕ " + std::to_string(late) + " beyond its bound");
 }
 
 }  // namespace
@@ -141,10 +147,12 @@ void write_latencies(std::ostream& out, const std::string& title, const std::str
   out << head(title) << "<p>" << xml_text(words) << "</p>\n";
   for (const StreamLatencies& stream : streams) {
     out << "<figure class=\"stream\"><figcaption>" << xml_text(stream.name) << "<br><span>";
-    if (stream.latencies.empty())
+    std::vector<double> sorted = stream.latencies;
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted.empty())
       out << "no message</span></figcaption></figure>\n";
     else
-      out << xml_text(facts(stream)) << "</span></figcaption>" << histogram(stream) << "</figure>\n";
+      out << xml_text(facts(stream, sorted)) << "</span></figcaption>" << histogram(stream, sorted) << "</figure>\n";
   }
   out << "</body></html>\n";
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -11,6 +12,8 @@
 
 #include "core/time.h"
 #include "tools/common/command_line.h"
+#include "tools/common/picture_page.h"
+#include "tools/common/ring_file.h"
 #include "tools/common/text_table.h"
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/ring_access.h"
@@ -27,7 +30,8 @@ struct PingOptions {
   std::string from, to;
   std::uint64_t count = 0;
   unsigned size = kMaxPayload, priority = 2;
-  double interval_s = kUnset, timeout_s = 0;
+  double interval_s = kUnset, timeout_s = 0, bound_s = kUnset;
+  std::string html;
   bool flood = false, quiet = false, json = false;
 };
 
@@ -47,7 +51,27 @@ PingOrder order_of(const RingAccess& ring, const PingOptions& options) {
   return order;
 }
 
+void write_picture(const PingOptions& options, const std::string& from, const PingOrder& order,
+                   const PingTotals& totals) {
+  std::ofstream file;
+  if (const std::string problem = app::open_for_writing(file, options.html); !problem.empty()) throw NotDone(problem);
+  app::StreamLatencies stream{from + " to " + order.to.name, {}, {}};
+  for (const std::chrono::nanoseconds one : totals.kept())
+    stream.latencies.push_back(static_cast<double>(one.count()) / 1000);
+  if (options.bound_s != kUnset) stream.bound = options.bound_s * 1e6;
+  app::write_latencies(file, "Round trips from " + from + " to " + order.to.name,
+                       "Measured live: " + std::to_string(totals.sent) + " packets of " + std::to_string(order.size) +
+                           " bytes, from the first byte that leaves to the matched return." +
+                           (stream.bound ? " The dashed line is --bound." : ""),
+                       {stream});
+  if (const std::string problem = cli::finish_writing(file, options.html); !problem.empty()) throw NotDone(problem);
+}
+
 int run(const Context& context, const PingOptions& options) {
+  if (options.bound_s != kUnset && options.html.empty()) throw UsageError("--bound goes with --html");
+  if (!options.html.empty())
+    if (const std::string problem = app::why_not_writable(options.html); !problem.empty())
+      throw UsageError("--html " + problem);
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const PingOrder order = order_of(ring, options);
   const NodeName& from = ring.source(options.from);
@@ -63,6 +87,7 @@ int run(const Context& context, const PingOptions& options) {
     std::cout << ping_json(order, totals).dump(2) << '\n';
   else
     std::cout << (lines ? "\n" : "") << ping_text(order, totals);
+  if (!options.html.empty()) write_picture(options, from.name, order, totals);
   if (!totals.problem.empty()) throw HostPortError(totals.problem);
   const bool all = order.count == 0 || totals.sent == order.count;
   const std::uint64_t ended = totals.ended();
@@ -84,6 +109,9 @@ void add_options(CLI::App& command, PingOptions& options) {
   command.add_option("-s,--size", options.size, "Bytes in each, 1 to 512; default 512")
       ->transform(cli::whole(1, kMaxPayload));
   command.add_option("--priority", options.priority, "0 (highest) to 3; default 2")->transform(cli::whole(0, 3));
+  command.add_option("--html", options.html, "At the end, write a page there: a histogram of the round trips");
+  command.add_option("--bound", options.bound_s, "A line in it: what is allowed, 0.000001 to 3600 s, as 1ms")
+      ->transform(cli::seconds(0.000001, 3600));
   command.add_option("-w,--timeout", options.timeout_s, "End after that time, 0.001 to 3600 s; default: never")
       ->transform(cli::seconds(0.001, 3600));
 }

@@ -33,6 +33,8 @@ class PingTotals {
   std::uint64_t ended() const;
   /// Of the delivered ones: all, but for p50 and p99.
   statistics::Percentiles round_trips() const;
+  /// Of the last kKept that were delivered.
+  const std::vector<std::chrono::nanoseconds>& kept() const { return kept_; }
   bool all_are_kept() const { return with(Outcome::delivered) <= kKept; }
 
  private:

@@ -14,6 +14,7 @@
 #include "sim/load_scenario.h"
 #include "sim/scenario_report.h"
 #include "tools/common/command_line.h"
+#include "tools/common/picture_page.h"
 #include "tools/common/ring_file.h"
 #include "tools/common/text_table.h"
 #include "tools/common/timeline.h"
@@ -29,7 +30,7 @@ using scenario::ScenarioRun;
 
 struct ScenarioOptions {
   std::vector<std::string> files;
-  std::string junit, capture, perfetto;
+  std::string junit, capture, perfetto, html;
   std::optional<std::uint64_t> seed;
   std::string transport, log;
   bool live = false, json = false, outputs = false;
@@ -52,6 +53,7 @@ void require_files_of_their_own(const ScenarioOptions& options) {
   const std::pair<const char*, const std::string&> outputs[] = {{"--junit", options.junit},
                                                                 {"--capture", options.capture},
                                                                 {"--perfetto", options.perfetto},
+                                                                {"--html", options.html},
                                                                 {"--log", options.log}};
   for (const auto& one : outputs)
     for (const auto& other : outputs)
@@ -69,11 +71,12 @@ std::ofstream open_output(const std::string& path, const std::vector<std::string
   return out;
 }
 
-/// Of --capture or --perfetto.
+/// Of --capture, --perfetto or --html, which exclude each other.
 std::ofstream open_capture(const ScenarioOptions& options) {
-  const bool timeline = options.capture.empty();
-  const std::string& path = timeline ? options.perfetto : options.capture;
-  const std::string option = timeline ? "--perfetto" : "--capture";
+  const auto [option, path] =
+      !options.capture.empty()    ? std::pair<std::string, std::string>("--capture", options.capture)
+      : !options.perfetto.empty() ? std::pair<std::string, std::string>("--perfetto", options.perfetto)
+                                  : std::pair<std::string, std::string>("--html", options.html);
   if (path.empty()) return {};
   if (options.live)
     throw UsageError(option + " works only under the virtual clock; with --live use 'ringctl traffic show -w FILE'");
@@ -182,9 +185,9 @@ int run(const ScenarioOptions& options) {
   std::ofstream junit = open_output(options.junit, options.files);
   const std::vector<Scenario> scenarios = load_all(options, junit);
   std::ofstream capture = open_capture(options);
-  std::stringstream captured;  // for a timeline
+  std::stringstream captured;  // for a timeline or a page
   std::ostream* capture_to = capture.is_open() ? &capture : nullptr;
-  if (!options.perfetto.empty()) capture_to = &captured;
+  if (options.capture.empty() && capture.is_open()) capture_to = &captured;
   std::vector<ScenarioRun> runs;
   std::string log_problem;
   process::SignalWait signals;
@@ -195,7 +198,8 @@ int run(const ScenarioOptions& options) {
       if (!options.json) std::cout << text_of(runs.back()) << std::endl;
     }
     if (!options.perfetto.empty()) app::write_timeline(capture, captured, "the run");
-    if (capture.is_open()) finish(capture, options.perfetto.empty() ? options.capture : options.perfetto);
+    if (!options.html.empty()) app::write_states(capture, runs[0].name, captured, text_of(runs[0]), runs[0].lasted);
+    if (capture.is_open()) finish(capture, options.capture + options.perfetto + options.html);
   } catch (const std::exception& problem) {  // interrupted, for one: what was found so far is not lost
     report_so_far(runs, options, junit, scenarios, problem.what());
     throw;
@@ -234,8 +238,12 @@ void add_outputs(CLI::App& command, ScenarioOptions& options) {
   command.add_option("--junit", options.junit, "Write JUnit XML there");
   CLI::Option* capture =
       command.add_option("--capture", options.capture, "Write the packets on all lines there, as pcapng for Wireshark");
-  command.add_option("--perfetto", options.perfetto, "Write them there as a timeline, which ui.perfetto.dev loads")
-      ->excludes(capture);
+  CLI::Option* perfetto =
+      command.add_option("--perfetto", options.perfetto, "Write them there as a timeline, which ui.perfetto.dev loads")
+          ->excludes(capture);
+  command.add_option("--html", options.html, "Write a page there: the states of each node over time, and the report")
+      ->excludes(capture)
+      ->excludes(perfetto);
   command.add_flag("--outputs", options.outputs, "Also as they leave each node: 'ringctl traffic why' needs that")
       ->needs(capture);
 }
