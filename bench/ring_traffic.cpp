@@ -1,12 +1,19 @@
 #include "bench/ring_traffic.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <boost/asio/ip/tcp.hpp>
 #include <chrono>
 #include <fstream>
+#include <regex>
 #include <stdexcept>
 #include <thread>
 
 #include "bench/cores.h"
 #include "bench/setup.h"
+#include "io/program.h"
+#include "io/spawn.h"
 #include "ring/observed_daemon.h"
 #include "wire/pcapng.h"
 
@@ -80,8 +87,62 @@ RingJudge::RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinnin
     throw std::runtime_error("the ring's promises could not be judged");
 }
 
-void RingJudge::require_kept() const {
+void RingJudge::require_valid() const {
   if ((*seen_)[0].broken) throw std::runtime_error("a promise of the measured ring was found broken");
+}
+
+namespace {
+
+/// Starts `ringctl view`, which ends with this process. @return "http://127.0.0.1:PORT/TOKEN/" and its parts
+std::smatch start_view(const std::string& ring, const std::optional<cpu_set_t>& cores, std::string& said) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("too many open files");
+  const process::UniqueFd from(ends[0]);
+  process::UniqueFd into(ends[1]);
+  process::SpawnRequest request;
+  request.path = process::own_folder() + "/ringctl";
+  request.arguments = {"ringctl", "--ring", ring, "view"};
+  request.affinity = cores;
+  request.output = into.get();
+  process::spawn(request);
+  into.reset();
+  static const std::regex address("http://127.0.0.1:([0-9]+)(/[0-9a-f]+/)\n");
+  std::smatch found;
+  char part[512];
+  while (!std::regex_search(said, found, address)) {
+    const ssize_t got = ::read(from.get(), part, sizeof part);
+    if (got <= 0) throw std::runtime_error("ringctl view printed no address: " + said);
+    said.append(part, static_cast<std::size_t>(got));
+  }
+  return found;
+}
+
+void look(const std::string& ring, const std::optional<cpu_set_t>& cores, std::atomic<bool>& ready) {
+  std::string said;
+  const std::smatch address = start_view(ring, cores, said);
+  boost::asio::ip::tcp::iostream page("127.0.0.1", address.str(1));
+  page << "GET " << address[2] << "events HTTP/1.1\r\nHost: 127.0.0.1:" << address[1] << "\r\n\r\n" << std::flush;
+  for (std::string line; std::getline(page, line);)
+    if (line == "event: status") ready = true;
+}
+
+}  // namespace
+
+RingLook::RingLook(const Setup& setup, const PrivateRing& ring, Pinning pinning)
+    : seen_(std::make_unique<Shared<Seen>>(1)) {
+  Seen& seen = (*seen_)[0];
+  worker_ = std::make_unique<Worker>([&] {
+    const auto cores = cores_for(pinning);
+    stay_on(cores);
+    look(ring.name(), cores, seen.ready);
+    seen.ended = true;
+  });
+  if (!worker_->sets(seen.ready, setup.poll, kPatience))
+    throw std::runtime_error("the page of ringctl view was told no status");
+}
+
+void RingLook::require_valid() const {
+  if ((*seen_)[0].ended) throw std::runtime_error("ringctl view has ended during the benchmark");
 }
 
 namespace {

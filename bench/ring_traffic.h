@@ -20,12 +20,29 @@ class RingJudge {
   /// Returns when it watches all nodes. @throw std::runtime_error where that takes too long
   RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinning);
   /// @throw std::runtime_error if it found a broken promise: the measurement is void then
-  void require_kept() const;
+  void require_valid() const;
 
  private:
   struct Seen {
     std::atomic<bool> ready{false};
     std::atomic<bool> broken{false};
+  };
+  std::unique_ptr<Shared<Seen>> seen_;
+  std::unique_ptr<Worker> worker_;
+};
+
+/// `ringctl view`, and a process that takes what its page would, as fast as it comes; a real browser would also draw.
+class RingLook {
+ public:
+  /// Returns when the page has been told a status. @throw std::runtime_error where that takes too long
+  RingLook(const Setup& setup, const PrivateRing& ring, Pinning pinning);
+  /// @throw std::runtime_error if it was told nothing more: the measurement is void then
+  void require_valid() const;
+
+ private:
+  struct Seen {
+    std::atomic<bool> ready{false};
+    std::atomic<bool> ended{false};
   };
   std::unique_ptr<Shared<Seen>> seen_;
   std::unique_ptr<Worker> worker_;

@@ -55,7 +55,8 @@ void Rounds::run_round(const Files& files, bool odd) {
   ring("udp", {"", "udp", pinning_});
   ring("keyed", {files.keyed, "udp", pinning_});
   if (setup_.wants("cpu_to_cpu")) cpu_to_cpu(files.two_cpus);
-  if (setup_.wants("judged")) judged(odd);
+  beside<RingJudge>("judged", odd);
+  beside<RingLook>("viewed", odd);
   if (pinning_ == Pinning::one_core) {
     if (setup_.wants("recorded")) recorded(odd);
   } else {
@@ -98,19 +99,21 @@ void Rounds::recorded(bool first) {
   cases_.add_without("recorded", Sending::all, measured[false]);
 }
 
-void Rounds::judged(bool first) {
+template <typename AtWork>
+void Rounds::beside(const std::string& what, bool first) {
+  if (!setup_.wants(what)) return;
   const double reference = measure_reference_p50(Sending::all);
   const PrivateRing ring(setup_, {"", "shm", pinning_});
   std::map<bool, Measurement> measured;
-  for (const bool judge : {first, !first}) {
-    std::optional<RingJudge> at_work;
-    if (judge) at_work.emplace(setup_, ring, pinning_);
-    tell(judge ? "judged" : "not judged", Sending::all);
-    measured[judge] = measure_traffic(setup_, ring, Sending::all);
-    if (judge) at_work->require_kept();
+  for (const bool with : {first, !first}) {
+    std::optional<AtWork> at_work;
+    if (with) at_work.emplace(setup_, ring, pinning_);
+    tell((with ? "" : "not ") + what, Sending::all);
+    measured[with] = measure_traffic(setup_, ring, Sending::all);
+    if (with) at_work->require_valid();
   }
-  cases_.add("judged", Sending::all, measured[true], reference);
-  cases_.add_without("judged", Sending::all, measured[false]);
+  cases_.add(what, Sending::all, measured[true], reference);
+  cases_.add_without(what, Sending::all, measured[false]);
 }
 
 void Rounds::cpu_to_cpu(const std::string& two_cpus) {

@@ -40,9 +40,10 @@ class Rounds {
   /// A ring with every node's flight recorder on beside one without, in turns: what that costs.
   /// @param first with it
   void recorded(bool first);
-  /// A ring whose promises are judged meanwhile, and the same while they are not, in turns: what that costs.
-  /// @param first while they are judged
-  void judged(bool first);
+  /// A ring with somebody at work beside it, and the same without, in turns: what that costs.
+  /// @tparam AtWork RingJudge, RingLook @param first with it
+  template <typename AtWork>
+  void beside(const std::string& what, bool first);
   void cpu_to_cpu(const std::string& two_cpus);
   void spin();
   double measure_reference_p50(Sending sending);

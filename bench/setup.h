@@ -21,9 +21,9 @@ enum class Sending { one, all };
 enum class Pinning { one_core, free };
 
 /// What can be measured alone, beside the reference. `unix` has `watched` with it: the same ring, read along.
-constexpr const char* kCases[] = {
-    "unix",   "shm",  "udp",         "keyed", "cpu_to_cpu",    "judged",          "recorded",
-    "placed", "spin", "relay_chain", "idle",  "humanoid_1khz", "humanoid_virtual"};
+constexpr const char* kCases[] = {"unix",        "shm",    "udp",           "keyed",           "cpu_to_cpu",
+                                  "judged",      "viewed", "recorded",      "placed",          "spin",
+                                  "relay_chain", "idle",   "humanoid_1khz", "humanoid_virtual"};
 
 /// What is to be measured, and how.
 struct Setup {

@@ -19,13 +19,14 @@ namespace limb_ring::bench {
 
 /// One thing measured in every way, beside the reference of the same rounds.
 struct Row {
-  /// reference, unix, shm, watched, recorded, judged, udp, keyed, cpu_to_cpu, placed, spin_reference, spin, relay_chain
+  /// reference, unix, shm, watched, recorded, judged, viewed, udp, keyed, cpu_to_cpu, placed, spin_reference, spin,
+  /// relay_chain
   std::string what;
   Pinning pinning = Pinning::one_core;
   Sending sending = Sending::one;
   Measurement measured;
   double reference_ratio = 1;  ///< p50 by the reference's, pinned and sending alike: median of rounds
-  double addition_ratio = 0;   ///< watched, recorded, judged, keyed: the same by the ring's without that; else 0
+  double addition_ratio = 0;  ///< watched, recorded, judged, viewed, keyed: the same by the ring's without that; else 0
 };
 
 struct Report {
