@@ -133,8 +133,10 @@ void Requests::setup(const Json&, const Answer& answer) {
           {"state_to", config::body_of(ring).id}});
 }
 
-void Requests::status(const Json&, const Answer& answer) {
-  Json row = status_row(to_.status);
+void Requests::status(const Json& request, const Answer& answer) {
+  const Json heard = request.value("heard", Json(true));
+  if (!heard.is_boolean()) throw RequestError("heard: " + heard.dump() + " is neither true nor false");
+  Json row = status_row(to_.status, heard);
   row["ring"] = to_.ring.ring;
   answer(row);
 }
@@ -313,7 +315,7 @@ const std::vector<RequestKind>& request_kinds() {
       {"run", {}, false},
       {"setup", {}, false},
       {"shutdown", {}, false},
-      {"status", {}, false},
+      {"status", {"heard"}, false},
       {"step", {"time_ns"}, false},
       {"stop", {"node"}, true},
       {"stop_latched", {"latched"}, false},

@@ -212,7 +212,7 @@ json latch_json(const wire::ClockLatch& latch) {
           {"clock_ns", latch.clock_ns}};
 }
 
-json status_row(const StatusSources& from) {
+json status_row(const StatusSources& from, bool with_heard) {
   const NodeDriver& driver = from.driver;
   const core::Membership& membership = driver.controller().membership();
   const LineEnds ends = driver.ends(core::Line::first);
@@ -237,8 +237,8 @@ json status_row(const StatusSources& from) {
            {"refusals", refusals_json(from)},
            {"warnings", warnings_json(from)},
            {"counters", counters_json(from)},
-           {"lately_damaged", lately_damaged_json(from)},
-           {"heard", heard_json(from)}};
+           {"lately_damaged", lately_damaged_json(from)}};
+  if (with_heard) row["heard"] = heard_json(from);
   if (driver.has_second_line()) row["fold"] = fold_json(driver);
   if (from.supervisor) row["supervisor"] = supervisor_json(from);
   return row;

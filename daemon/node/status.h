@@ -30,7 +30,7 @@ struct StatusSources {
 };
 
 /// A node's row of `ringctl status --json`, as docs/reference/requests.md describes it.
-nlohmann::json status_row(const StatusSources& from);
+nlohmann::json status_row(const StatusSources& from, bool with_heard);
 
 /// A latch of a node's clock, as the request `latch` answers.
 nlohmann::json latch_json(const wire::ClockLatch& latch);

@@ -31,7 +31,16 @@ class Tools(RingTest):
         port = self.port(0)
         self.assert_refused("ping: 'size_bytes' is unknown; it takes: count, deadline_ms, duration_ms, interval_us, "
                             'priority, size, to', port, {'do': 'ping', 'to': 1, 'size_bytes': 5})
-        self.assert_refused("status: 'node' is unknown; it takes nothing", port, {'do': 'status', 'node': 1})
+        self.assert_refused("status: 'node' is unknown; it takes: heard", port, {'do': 'status', 'node': 1})
+        self.assert_refused('heard: 0 is neither true nor false', port, {'do': 'status', 'heard': 0})
+        self.assert_refused("clock: 'node' is unknown; it takes nothing", port, {'do': 'clock', 'node': 1})
+
+    def test_a_status_row_says_what_was_heard_of_others_unless_it_is_asked_not_to(self):
+        self.start_ring(plain_nodes(3))
+        port = self.port(0)
+        whole, less = port.ask({'do': 'status'}), port.ask({'do': 'status', 'heard': False})
+        self.assertEqual([peer['id'] for peer in whole['heard']], [1, 2])
+        self.assertEqual(set(whole) - set(less), {'heard'})
 
     def test_each_request_is_known_documented_and_answered(self):
         self.start_ring(plain_nodes(2))

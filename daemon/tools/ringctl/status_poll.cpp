@@ -28,15 +28,24 @@ constexpr milliseconds kTurn{50};
 StatusPoll::StatusPoll(const RingAccess& ring, Order order, Seen seen)
     : ring_(ring), order_(std::move(order)), seen_(std::move(seen)), ports_(ring.nodes().size()) {}
 
-StatusSample StatusPoll::sample() {
+std::vector<Answer> StatusPoll::round(bool with_heard) {
   std::vector<Answer> answers(ports_.size());
   std::vector<std::optional<std::uint32_t>> tokens(ports_.size());
-  process::in_parallel(ports_.size(), kAskers, [&](std::size_t i) { tokens[i] = ask(i, answers[i].why_not); });
-  StatusSample sample;
-  sample.at_s = std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count();
+  const std::string request = nlohmann::json{{"do", "status"}, {"heard", with_heard}}.dump();
+  process::in_parallel(ports_.size(), kAskers, [&](std::size_t i) { tokens[i] = ask(i, request, answers[i].why_not); });
   const auto deadline = steady_clock::now() + std::max(kAnswerWait, kAnswerWaitEach * static_cast<int>(ports_.size()));
   for (std::size_t i = 0; i < ports_.size(); ++i)
     if (tokens[i]) answers[i] = answer(i, *tokens[i], deadline);
+  return answers;
+}
+
+StatusSample StatusPoll::sample() {
+  StatusSample sample;
+  sample.at_s = std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count();
+  std::vector<Answer> answers = round(wants_heard_);
+  const bool absent = std::any_of(answers.begin(), answers.end(), [](const Answer& one) { return !one.said; });
+  if (absent && !wants_heard_) answers = round(true);
+  wants_heard_ = absent;
   sample.rows = complete_rows(ring_, std::move(answers));
   sample.clock = ring_clock(ring_.ring());
   return sample;
@@ -47,7 +56,7 @@ void StatusPoll::observe(std::size_t node) {
 }
 
 /// @return token of the answer; nothing where none is to be waited for, with the reason where it could not be asked
-std::optional<std::uint32_t> StatusPoll::ask(std::size_t index, std::string& why_not) {
+std::optional<std::uint32_t> StatusPoll::ask(std::size_t index, const std::string& request, std::string& why_not) {
   const NodeName& node = ring_.nodes()[index];
   if (ring_.is_elsewhere(node)) return std::nullopt;                                // its beacons are heard here
   if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
@@ -56,7 +65,7 @@ std::optional<std::uint32_t> StatusPoll::ask(std::size_t index, std::string& why
       ports_[index] = connect_within(kAnswerWait, ring_.ring(), std::to_string(node.id), Stay::for_long);
       observe(index);
     }
-    return ports_[index]->request(R"({"do": "status"})");
+    return ports_[index]->request(request);
   } catch (const HostPortError& problem) {
     why_not = problem.what();  // it is asked again next time
     return std::nullopt;

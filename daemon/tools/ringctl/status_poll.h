@@ -28,7 +28,8 @@ class StatusPoll {
   void observe(std::size_t node);
 
  private:
-  std::optional<std::uint32_t> ask(std::size_t index, std::string& why_not);
+  std::vector<Answer> round(bool with_heard);
+  std::optional<std::uint32_t> ask(std::size_t index, const std::string& request, std::string& why_not);
   Answer answer(std::size_t index, std::uint32_t token, std::chrono::steady_clock::time_point deadline);
   void drain(std::size_t index);
 
@@ -36,6 +37,7 @@ class StatusPoll {
   Order order_;
   Seen seen_;
   std::vector<std::optional<HostPort>> ports_;
+  bool wants_heard_ = false;  ///< a node did not answer: what the others have heard of it tells its state
 };
 
 }  // namespace limb_ring::ringctl
