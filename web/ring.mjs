@@ -62,10 +62,10 @@ export class RingPicture {
 
   drawNode(place, node, i) {
     const { x, y } = place.nodes[i], { boxWidth: width, boxHeight: height } = place;
-    const group = make('g', { role: 'button', tabindex: i === this.current ? 0 : -1, transform: `translate(${x} ${y})` },
+    const group = make('g', { class: 'node off', role: 'button', tabindex: i === this.current ? 0 : -1, transform: `translate(${x} ${y})` },
       make('rect', { class: 'box', x: -width / 2, y: -height / 2, width, height, rx: 7 }),
       make('text', { class: 'name', 'text-anchor': 'middle', y: -3 }, shortened(node.name, place.letters)),
-      make('text', { class: 'word', 'text-anchor': 'middle', y: height / 2 - 7 }), make('text', { class: 'fault', x: width / 2 - 4, y: -height / 2 + 5, 'text-anchor': 'middle' }), make('title', {}, node.name));
+      make('text', { class: 'word', 'text-anchor': 'middle', y: height / 2 - 7 }, 'is asked'), make('text', { class: 'fault', x: width / 2 - 4, y: -height / 2 + 5, 'text-anchor': 'middle' }), make('title', {}, node.name));
     group.addEventListener('click', () => { this.focus(i); this.choose({ node: i }); });
     group.addEventListener('keydown', (event) => this.key(event, i));
     return group;

@@ -60,11 +60,11 @@ async function details() {
   if (chosen?.node == null)
     return show('Nothing chosen', element('p', {}, 'Choose a node or a line: by a click, or with arrow keys and Enter.'));
   const node = page.ring.nodes[chosen.node];
-  const row = await source.node(node.id);
-  if (page.chosen === chosen) nodeDetails(node, page.status.rows[chosen.node], row, chosen.node);
+  const [row, log] = await Promise.all([source.node(node.id), source.log?.(node.id)]);
+  if (page.chosen === chosen) nodeDetails(node, page.status.rows[chosen.node], row, chosen.node, log);
 }
 
-function nodeDetails(node, row, full, place) {
+function nodeDetails(node, row, full, place, log) {
   const next = page.ring.nodes[(place + 1) % page.ring.nodes.length], cpu = full?.cpu ?? {}, trip = row.round_trip_us ?? {};
   if (!page.before || page.before.pid !== full?.pid) page.before = full;
   const moved = countersMoved(page.before?.counters, full?.counters);
@@ -73,7 +73,8 @@ function nodeDetails(node, row, full, place) {
     button('Reset CPU', 'reset', node.name), button('Stop joints', 'stop', node.name),
     button(`Cut line to ${next.name}`, ...lineOrder('cut', node.name, next.name)), button(`Mend line to ${next.name}`, ...lineOrder('heal', node.name, next.name)),
     button('Kill node', 'fault', 'kill', node.name), button('Start node', 'fault', 'start', node.name)) : '';
-  show(`${node.name} (node ${node.id})`, facts([
+  // Buttons first: rows come and go, and would move them away under a click.
+  show(`${node.name} (node ${node.id})`, controls, facts([
     ['State', row.state + (row.unanswered ? ': ' + row.unanswered : '')], ['Condition', nodeCondition(row).word],
     ['CPU', [row.cpu, cpu.kind, cpu.boots != null ? `boot ${cpu.boots}` : ''].filter(Boolean).join(', ')],
     ['Last exit', cpu.last_exit], ['Last reset', cpu.last_reset],
@@ -83,19 +84,25 @@ function nodeDetails(node, row, full, place) {
     ['Line in', full?.input ? `${full.input.state} from ${nameOf(full.input.from)}` : ''],
     ['Packets out', row.packets_per_second != null ? number(row.packets_per_second) + '/s' : ''],
     ['Round trip', trip.p50 != null ? `median ${number(trip.p50)}, 99 % ${number(trip.p99)}, most ${number(trip.max)} us` : ''],
-    ['Errors', row.errors], ['Ring of', full?.ring_size], ['Up for', full?.uptime_s != null ? number(full.uptime_s) + ' s' : '']]),
-  controls,
+    ['Errors', row.errors], ['Ring of', full?.ring_size], ['Up for', full?.uptime_s != null ? number(full.uptime_s) + ' s' : ''],
+    ['Pins', (node.pins ?? []).join(', ')], ['Inputs', (node.inputs ?? []).join(', ')]]),
   element('table', {}, element('caption', {}, 'Counters that moved since it was chosen'),
     element('tr', {}, element('th', { scope: 'col' }, 'Counter'), element('th', { scope: 'col' }, 'By')),
     ...moved.slice(0, most_counters).map(([name, count]) => element('tr', {}, element('td', {}, name), element('td', {}, String(count))))),
-  logOf(node.id));
+  happenedAt(node.id), log == null ? '' : printedBy(node, log));
 }
 
 /** What has happened at a node since the page was opened: states, pins, its CPU, its lines. */
-function logOf(id) {
+function happenedAt(id) {
   const lines = page.log.get(id) ?? [];
   return element('section', {}, element('h3', {}, lines.length ? 'What happened here' : 'Nothing has happened here since the page was opened'),
     element('ul', {}, ...lines.map((line) => element('li', {}, line))));
+}
+
+/** What its daemon and its CPU printed, the newest line first, as events are. */
+function printedBy(node, log) {
+  return element('section', {}, element('h3', {}, 'Log'),
+    element('pre', { tabindex: '0', 'aria-label': `Log of ${node.name}, the newest line first` }, log.trimEnd().split('\n').reverse().join('\n')));
 }
 
 const nameOf = (id) => page.ring.nodes.find((node) => node.id === id)?.name ?? String(id ?? '-');
@@ -104,10 +111,10 @@ function lineDetails(place) {
   const count = page.ring.nodes.length, from = page.ring.nodes[place], to = page.ring.nodes[(place + 1) % count];
   const row = page.status.rows[place], line = lineCondition(row, to, page.status.broken_line);
   const controls = page.control ? element('div', { class: 'buttons' }, button('Cut', ...lineOrder('cut', from.name, to.name)), button('Mend', ...lineOrder('heal', from.name, to.name))) : '';
-  show(`Line ${from.name} to ${to.name}`, facts([
+  show(`Line ${from.name} to ${to.name}`, controls, facts([
     ['State', line.word], ['Load', loadText(row)], ['Packets', row.packets_per_second != null ? number(row.packets_per_second) + '/s' : ''],
     ['Bytes', row.bytes_per_second != null ? bytesText(row.bytes_per_second) + '/s' : ''],
-    ['Rate', row.output?.rate_bit_s ? number(row.output.rate_bit_s / 1e6) + ' Mbit/s' : 'as fast as the host']]), controls);
+    ['Rate', row.output?.rate_bit_s ? number(row.output.rate_bit_s / 1e6) + ' Mbit/s' : 'as fast as the host']]));
 }
 
 const take = {

@@ -87,6 +87,26 @@ const NodeConfig& supervisor_of(const RingConfig& ring) {
   return ring.supervisor.node ? *ring.find(*ring.supervisor.node) : body_of(ring);
 }
 
+const char* name_of(PinConfig::Action action) {
+  switch (action) {
+    case PinConfig::Action::none:
+      return "none";
+    case PinConfig::Action::reset:
+      return "reset";
+    case PinConfig::Action::stop:
+      return "stop";
+    case PinConfig::Action::signal:
+      return "signal";
+    case PinConfig::Action::notify:
+      return "notify";
+    case PinConfig::Action::sync:
+      return "sync";
+    case PinConfig::Action::exec:
+      return "exec";
+  }
+  return "";
+}
+
 std::optional<std::uint8_t> first_pin(const NodeConfig& node, PinConfig::Action action) {
   for (std::uint8_t factor = 0; factor < node.pins.size(); ++factor)
     if (node.pins[factor].action == action) return factor;

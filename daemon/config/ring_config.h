@@ -23,6 +23,9 @@ struct PinConfig {
   std::vector<std::string> command;  ///< Action::exec: program and arguments
 };
 
+/// As a ring's file calls it: "reset".
+const char* name_of(PinConfig::Action action);
+
 constexpr std::size_t kPins = 8;  ///< of a node, for INT0 to INT7; and as many interrupt inputs (paper)
 using Pins = std::array<PinConfig, kPins>;
 /// INT0 reset, INT1 stop, INT2 sync, the rest none.

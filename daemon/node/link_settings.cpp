@@ -151,29 +151,9 @@ std::string joints_text(const NodeConfig& node) {
   return text;
 }
 
-const char* action_name(PinConfig::Action action) {
-  switch (action) {
-    case PinConfig::Action::none:
-      return " none";
-    case PinConfig::Action::reset:
-      return " reset";
-    case PinConfig::Action::stop:
-      return " stop";
-    case PinConfig::Action::signal:
-      return " signal";
-    case PinConfig::Action::notify:
-      return " notify";
-    case PinConfig::Action::sync:
-      return " sync";
-    case PinConfig::Action::exec:
-      return " exec";
-  }
-  return "";
-}
-
 std::string pins_text(const NodeConfig& node) {
   std::string text;
-  for (const PinConfig& pin : node.pins) text += action_name(pin.action);
+  for (const PinConfig& pin : node.pins) text += std::string(" ") + config::name_of(pin.action);
   return text;
 }
 

@@ -31,8 +31,13 @@ class ViewTest(RingTest):
         return server
 
     def connected(self, receive_buffer=None):
-        client = socket.socket()
+        client = self.connect(receive_buffer)
         self.addCleanup(client.close)
+        return client
+
+    def connect(self, receive_buffer=None):
+        """For those who close it."""
+        client = socket.socket()
         if receive_buffer:
             client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         client.settimeout(GUARD)

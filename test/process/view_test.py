@@ -1,11 +1,22 @@
 """The server of `ringctl view` under attack: nothing is given without its token, nothing is done that it was not told to
 allow, nothing grows without a limit, and the ring does not notice."""
 
+import json
+import os
+import random
 import socket
+import struct
+import sys
 
 import ring_process
 from ring_process import plain_nodes
 from view_process import ViewTest
+
+
+def memory_of(process):
+    """Bytes in memory."""
+    with open('/proc/%d/statm' % process.pid) as file:
+        return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
 
 
 class View(ViewTest):
@@ -65,6 +76,25 @@ class View(ViewTest):
                      './index.html', 'index.html/', 'index.html%00', 'node/../index.html', 'node/', 'node/0x0',
                      'node/999', '....//....//etc/passwd', 'view.mjs?x=../../etc/passwd'):
             self.assertEqual(self.get(path)[0], 404, path)
+
+    def test_what_nodes_have_heard_of_others_is_asked_for_only_while_one_does_not_answer(self):
+        self.view()
+        page = self.stream()
+
+        def row():
+            self.events_until(page, lambda kind, message: kind == 'status')
+            return json.loads(self.get('node/1')[1])
+        self.assertNotIn('heard', row())
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'kill', 'node3').returncode, 0)
+        self.wait('it is asked for', lambda: 'heard' in row())
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'start', 'node3').returncode, 0)
+        self.wait('it is not asked for any more', lambda: 'heard' not in row())
+
+    def test_the_ring_is_told_with_what_is_wired_to_each_node(self):
+        self.view()
+        ring = self.events_until(self.stream(), lambda kind, message: kind == 'ring')
+        self.assertEqual(ring['nodes'][1]['pins'], ['INT0: reset', 'INT1: stop', 'INT2: sync'])
+        self.assertEqual(ring['nodes'][1]['inputs'], [])
 
     def test_a_page_that_may_only_read_changes_nothing(self):
         self.view()
@@ -166,6 +196,71 @@ class View(ViewTest):
         self.events_until(good, lambda kind, message: kind == 'status')
         slow.close()
 
+    def test_random_requests_get_nothing_and_the_ring_does_not_notice(self):
+        """ATTACKS=1000000 of them take about half an hour, ATTACK_SEED repeats some."""
+        seed, count = int(os.environ.get('ATTACK_SEED', random.randrange(10 ** 9))), int(os.environ.get('ATTACKS', 400))
+        print('ATTACK_SEED=%d' % seed, file=sys.stderr, flush=True)
+        chance = random.Random(seed)
+        for control in (True, False):  # without the token; with it, where nothing may be changed
+            server = self.view(*(['--control'] if control else []))
+            idle, open_ones, given = self.sockets_of(server), [], 0
+            page = self.stream()
+            self.events_until(page, lambda kind, message: kind == 'status')
+            for number in range(count // 2):
+                with self.subTest(seed=seed, number=number, control=control):
+                    request = self.attack(chance, 'x' * 32 if control else self.token)
+                    self.assertNotIn(self.token.encode(), request if control else b'')
+                    given += self.attack_once(chance, request, open_ones, nothing=control)
+            self.assertIsNone(server.poll())
+            self.events_until(page, lambda kind, message: kind == 'status')
+            for client in open_ones + [page]:
+                client.close()
+            self.assertTrue(not control or given == 0)
+            self.wait('all that was open is closed', lambda: self.sockets_of(server) <= idle)
+            self.assert_serves()
+            self.assertLess(memory_of(server), 64 << 20)
+        self.assert_unaffected()
+
+    def attack(self, chance, token):
+        """A request that is nearly right, then changed somewhere."""
+        path = chance.choice(['', 'events', 'order', 'node/1', 'log/1', 'index.html', '../' * chance.randrange(9) + 'etc/passwd', 'a' * chance.randrange(9000)])
+        words = chance.sample(['fault', 'cut', 'kill', 'node0:node1', 'node1', 'stop', 'reset', 'clock', '--from', ';', '\x00', 'clear'], chance.randrange(1, 5))
+        headers = chance.choice([{}, {'Host': None}, {'Origin': 'http://evil.example'}, {'Transfer-Encoding': 'chunked'}, {'Content-Length': 2 ** 40},
+                                 {'Expect': '100-continue'}, {'Connection': 'Upgrade', 'Upgrade': 'websocket'}, {'Cookie': 'x' * 9000}])
+        method = chance.choice(['GET'] * 5 + ['POST'] * 3 + ['PUT', 'HEAD', 'TRACE', 'CONNECT', 'get', ''])
+        body = json.dumps(words).encode() * chance.choice([1, 1, 1, 900]) if method == 'POST' else b''
+        request = bytearray(self.request('/%s/%s' % (token, path), method, body, **headers))
+        for _ in range(chance.choice([0, 0, 1, 3, 50])):
+            at = chance.randrange(len(request))
+            request[at:at + chance.randrange(3)] = bytes(chance.choice(b'\x00\r\n :/%{}[]"\xff' + b'azAZ09') for _ in range(chance.randrange(3)))
+        return bytes(request[:chance.choice([None, None, None, chance.randrange(len(request) + 1)])]) * chance.choice([1, 1, 1, 3])
+
+    def attack_once(self, chance, request, open_ones, nothing):
+        """@param nothing may be given @return 1 where something was"""
+        client = self.connect(receive_buffer=chance.choice([None, 2048]))
+        try:
+            client.sendall(request)
+            end = chance.randrange(4)
+            if end == 0:  # leaves at once, without a word
+                client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack('ii', 1, 0))
+            elif end == 1:  # stays, and reads nothing
+                open_ones.append(client)
+                if len(open_ones) > 40:
+                    open_ones.pop(0).close()
+                return 0
+            else:
+                client.shutdown(socket.SHUT_WR)
+                head = client.recv(65536)
+                given = head.startswith(b'HTTP/1.1 200 ')
+                self.assertFalse(given and nothing, request[:200])
+                self.assertRegex(head[:16], rb'^(HTTP/1.1 (200|400|403|404|405|413|415|431|503) |$)', request[:200])
+                client.close()
+                return int(given)
+        except OSError:
+            pass  # answered, and closed, before all of it came
+        client.close()
+        return 0
+
     def test_an_address_that_is_none_or_is_taken_is_said(self):
         taken = socket.socket()
         self.addCleanup(taken.close)
@@ -175,6 +270,28 @@ class View(ViewTest):
             done = self.ctl('--ring', self.ring, 'view', *more)
             self.assertEqual(done.returncode, 2)
             self.assertIn(why, done.stderr)
+
+
+class ViewOfADetachedRing(ViewTest):
+    def test_the_log_of_a_node_is_given_and_nothing_else_of_that_folder(self):
+        config = self.write_ring(plain_nodes(2))
+        done = self.ctl('up', config, '--detach')
+        self.addCleanup(self.ctl, 'down', '--ring', self.ring)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.view()
+        status, body = self.get('log/1')
+        self.assertEqual(status, 200)
+        with open(os.path.join(self.ring_folder(), '1.log'), 'rb') as file:
+            written = file.read()
+        self.assertIn(b'node1', body)
+        self.assertTrue(written.endswith(body) or body.endswith(written[-200:]), body)
+        self.assertIn(b'No log is kept', self.get('log/2')[1])
+        for path in ('log/', 'log/255', 'log/1.log', 'log/ring', 'log/-1', 'log/0x1', 'log/../1.lock', 'log/%31', 'log/1/', 'log/9999999999'):
+            self.assertEqual(self.get(path)[0], 404, path)
+        with open(os.path.join(self.ring_folder(), '1.log'), 'ab') as file:
+            file.write(b''.join(b'line %d\n' % i for i in range(10 ** 5)))
+        status, body = self.get('log/1')
+        self.assertTrue(body.endswith(b'line 99999\n') and len(body) <= 16384 and body.startswith(b'line '), body[:40])
 
 
 if __name__ == '__main__':

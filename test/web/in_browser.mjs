@@ -21,6 +21,8 @@ const all = {
     await page.keyboard.press('ArrowRight');
     await page.keyboard.press('Enter');
     await page.locator('#details h2', { hasText: 'node2' }).waitFor();
+    await page.locator('#details dd', { hasText: 'INT0: reset, INT1: stop, INT2: sync' }).waitFor();
+    await page.locator('#details pre[aria-label^="Log of node2"]').waitFor();
     // A click that lasts longer than from one status to the next.
     await page.locator('#details button', { hasText: 'Cut line to node3' }).click({ delay: 1500 });
     await page.locator('svg .break.seen text', { hasText: 'cut' }).waitFor();

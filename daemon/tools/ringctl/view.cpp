@@ -58,9 +58,10 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kPackets{200};  ///< between two messages of packets
-constexpr milliseconds kStatus{500};   ///< between two of status, at least
-constexpr int kStatusShare = 20;       ///< asking takes at most one part of so many of the time
+constexpr milliseconds kPackets{200};         ///< between two messages of packets
+constexpr milliseconds kStatus{500};          ///< between two of status, at least
+constexpr int kStatusShare = 20;              ///< asking takes at most one part of so many of the time ...
+constexpr milliseconds kStatusAtLeast{5000};  ///< ... but this is the longest that a page waits
 constexpr milliseconds kTryAgain{1000};
 constexpr std::size_t kListed = 400;                         ///< packets in one message; the others are counted
 constexpr std::chrono::microseconds kBetweenStates{40'000};  ///< joint states of one node that are shown
@@ -78,23 +79,49 @@ json joints_of(const config::NodeConfig& node) {
   return joints;
 }
 
-/// By node id, out of the ring's file; none where that cannot be read any more.
-std::map<int, json> joints_in(const std::string& path) {
-  std::map<int, json> joints;
-  try {
-    for (const config::NodeConfig& node : config::load_ring(path).nodes) joints[node.id] = joints_of(node);
-  } catch (const config::ConfigError&) {
+/// Those that are wired, and what to.
+json pins_of(const config::NodeConfig& node) {
+  json pins = json::array();
+  for (std::size_t factor = 0; factor < node.pins.size(); ++factor) {
+    const config::PinConfig& pin = node.pins[factor];
+    using Action = config::PinConfig::Action;
+    if (pin.action == Action::none) continue;
+    pins.push_back("INT" + std::to_string(factor) + ": " + config::name_of(pin.action) +
+                   (pin.action == Action::signal ? ' ' + std::to_string(pin.signal) : "") +
+                   (pin.action == Action::exec ? ' ' + config::join(pin.command, " ") : ""));
   }
-  return joints;
+  return pins;
+}
+
+/// Interrupt inputs that are wired, and what pulling one sends.
+json inputs_of(const config::NodeConfig& node, const config::RingConfig& ring) {
+  json inputs = json::array();
+  for (std::size_t input = 0; input < node.inputs.size(); ++input) {
+    const auto& to = node.inputs[input];
+    if (!to) continue;
+    const config::NodeConfig* one = ring.find(to->node);
+    inputs.push_back(std::to_string(input) + ": INT" + std::to_string(to->factor) + " to " +
+                     (to->broadcast    ? "all"
+                      : one == nullptr ? std::to_string(to->node)
+                                       : one->name));
+  }
+  return inputs;
 }
 
 json described(const RingAccess& ring) {
-  const auto joints = joints_in(ring.path());
+  std::map<int, json> nodes_of_file;
+  try {
+    const config::RingConfig file = config::load_ring(ring.path());
+    for (const config::NodeConfig& node : file.nodes)
+      nodes_of_file[node.id] = {
+          {"joints", joints_of(node)}, {"pins", pins_of(node)}, {"inputs", inputs_of(node, file)}};
+  } catch (const config::ConfigError&) {  // it cannot be read any more, or the ring has none
+  }
   json nodes = json::array();
   for (const NodeName& node : ring.nodes()) {
-    const auto found = joints.find(node.id);
-    nodes.push_back(
-        {{"id", node.id}, {"name", node.name}, {"joints", found == joints.end() ? json::array() : found->second}});
+    json row{{"id", node.id}, {"name", node.name}, {"joints", json::array()}};
+    if (const auto found = nodes_of_file.find(node.id); found != nodes_of_file.end()) row.update(found->second);
+    nodes.push_back(std::move(row));
   }
   return {{"ring", ring.ring()}, {"folds_back", ring.folds_back()}, {"nodes", nodes}};
 }
@@ -159,33 +186,41 @@ class LatelySeen {
 /// A ring while somebody looks at it.
 class Look {
  public:
-  Look(const RingAccess& ring, const ViewedRing::Tell& tell)
+  using Keep = std::function<void(const std::vector<json>& rows)>;
+
+  /// @param keep given the rows of each status, before that is told
+  Look(const RingAccess& ring, const ViewedRing::Tell& tell, Keep keep)
       : ring_(ring),
         tell_(tell),
+        keep_(std::move(keep)),
         poll_(
             ring, [this](std::size_t node) { return order(node); },
             [this](std::size_t node, const Message& message) { seen(node, message); }) {
-    tell("ring", described(ring).dump());
-    before_ = now_ = poll_.sample();
-    next_status_ = steady_clock::now();
+    tell("ring", described(ring).dump());  // seen at once, whatever asking takes
+    ask();
   }
 
-  /// One turn: what has been seen, and the status if it is due. @return the newest rows where it was
-  const std::vector<json>* turn() {
+  /// One turn: what has been seen, and the status if it is due.
+  void turn() {
     poll_.listen(steady_clock::now() + kPackets);
     tell_packets();
     tell_happened();
-    if (steady_clock::now() < next_status_) return nullptr;
-    const auto began = steady_clock::now();
-    before_ = std::exchange(now_, poll_.sample());
-    tell_status();
-    const auto taken = steady_clock::now() - began;
-    next_status_ = began + std::max<steady_clock::duration>(kStatus, kStatusShare * taken);
+    if (steady_clock::now() < next_status_) return;
+    ask();
     choose_node();
-    return &now_.rows;
   }
 
  private:
+  void ask() {
+    const auto began = steady_clock::now();
+    before_ = std::exchange(now_, poll_.sample());
+    if (before_.rows.empty()) before_ = now_;
+    keep_(now_.rows);
+    tell_status();
+    const auto taken = steady_clock::now() - began;
+    next_status_ = began + std::clamp<steady_clock::duration>(kStatusShare * taken, kStatus, kStatusAtLeast);
+  }
+
   std::string order(std::size_t node) const {
     json order{{"kinds", {"state", "link", "cpu", "pin", "watchdog"}}};
     if (node == watched_) order["packets"] = {{"sample", sample_}, {"limit_per_s", kLimit}};
@@ -265,6 +300,7 @@ class Look {
 
   const RingAccess& ring_;
   const ViewedRing::Tell& tell_;
+  const Keep keep_;
   std::size_t watched_ = 0;  ///< place of the node at whose input packets are seen
   unsigned sample_ = 1;
   LatelySeen packets_;
@@ -323,13 +359,12 @@ void ViewedRing::run() {
 
 void ViewedRing::look_on() {
   const RingAccess ring = RingAccess::open_also_dead(ring_);
-  Look look(ring, tell_);
-  while (looked_at_) {
-    const std::vector<json>* rows = look.turn();
-    if (rows == nullptr) continue;
+  const auto keep = [this](const std::vector<json>& rows) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (const json& row : *rows) rows_[row.at("id").dump()] = row.dump();
-  }
+    for (const json& row : rows) rows_[row.at("id").dump()] = row.dump();
+  };
+  Look look(ring, tell_, keep);
+  while (looked_at_) look.turn();
 }
 
 }  // namespace limb_ring::ringctl

@@ -14,7 +14,8 @@ namespace limb_ring::ringctl {
 /// rows with rates, events, packets and joint positions, as the JSON that web/view.mjs reads. (ours)
 ///
 /// What it tells (docs/how-to/view.md says what the page makes of it):
-///   ring      {"ring", "folds_back", "nodes": [{"id", "name", "joints": [{"name", "lower", "upper", "slides"}]}]}
+///   ring      {"ring", "folds_back", "nodes": [{"id", "name", "joints": [{"name", "lower", "upper", "slides"}],
+///              "pins": ["INT0: reset"], "inputs": ["0: INT1 to all"]}]}
 ///   status    {"headline", "report", "clock", "interval_s", "broken_line", "rows": as `status --watch --json`, with
 ///              "faults" and "fold"}
 ///   happened  {"time_ns", "node", "kind", "text"}

@@ -22,9 +22,13 @@
 #include <string_view>
 #include <utility>
 
+#include "config/quantity.h"
 #include "config/ring_config.h"
 #include "io/child.h"
 #include "io/program.h"
+#include "io/regular_file.h"
+#include "limb_ring/ring_directory.h"
+#include "ring/ring_files.h"
 #include "tools/ringctl/screen.h"
 #include "tools/ringctl/view.h"
 
@@ -50,6 +54,7 @@ constexpr int kSystemBytes = 65536;                ///< of that, in the system
 constexpr std::size_t kQueuedBytes = 8 << 20;      ///< that wait for one page; more, and it is dropped
 constexpr std::size_t kOrders = 4;                 ///< at a time
 constexpr std::size_t kOutputBytes = 16384;        ///< of an order, shown
+constexpr off_t kLogBytes = 16384;                 ///< of a log, shown: its end
 constexpr std::size_t kWords = 6, kWordSize = 64;  ///< of an order
 
 using Text = std::shared_ptr<const std::string>;
@@ -84,6 +89,20 @@ std::string new_token() {
   text << std::hex << std::setfill('0');
   for (int i = 0; i < 4; ++i) text << std::setw(8) << random();
   return text.str();
+}
+
+/// The last lines of what a node's daemon and its CPU printed, or why they are not kept; nothing where `id` is none.
+std::optional<std::string> end_of_log(const std::string& ring, const std::string& id) {
+  if (!config::are_digits(id, 3) || std::stoi(id) > 254) return {};
+  const std::string path = live::log_of(ring_directory(ring), static_cast<std::uint8_t>(std::stoi(id)));
+  const process::UniqueFd file = path.empty() ? process::UniqueFd() : process::open_regular(path);
+  if (!file.valid())
+    return "No log is kept here: the node is not on this host, or not started by 'ringctl up --detach'.";
+  const off_t size = ::lseek(file.get(), 0, SEEK_END), from = std::max<off_t>(0, size - kLogBytes);
+  std::string text(static_cast<std::size_t>(kLogBytes), '\0');
+  const ssize_t got = ::pread(file.get(), text.data(), text.size(), from);
+  text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  return from == 0 ? text : text.substr(text.find('\n') + 1);
 }
 
 std::string server_event(const std::string& event, const std::string& data) {
@@ -271,6 +290,12 @@ class Server {
       const std::string row = ring_->row(path.substr(node.size()));
       return row.empty() ? refuse(http::status::not_found, "no such node, or nothing is known of it")
                          : answer(http::status::ok, "application/json", row);
+    }
+    const std::string log = "log/";
+    if (path.rfind(log, 0) == 0) {
+      const std::optional<std::string> text = end_of_log(options_.ring, path.substr(log.size()));
+      return text ? answer(http::status::ok, "text/plain; charset=utf-8", *text)
+                  : refuse(http::status::not_found, "a log is that of a node's id");
     }
     for (const PageFile& file : kPage)
       if (path == file.name || (path.empty() && &file == kPage))
