@@ -80,21 +80,6 @@ void check_idle(const Entry& file, const Timeouts& timeouts, Problems& problems)
             "an idle of at most half of silence");
 }
 
-void check_part_names(const Entry& file, const RingConfig& ring, Problems& problems) {
-  std::set<std::string> joints, sensors;
-  for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
-    const NodeConfig& node = ring.nodes[n];
-    const auto refuse = [&](const char* list, std::size_t i, const std::string& name) {
-      element(element(file, "nodes", n), list, i)
-          .note(problems, "'" + name + "' is the name of another one", "each name once in a ring");
-    };
-    for (std::size_t i = 0; i < node.joints.size(); ++i)
-      if (!joints.insert(node.joints[i].name).second) refuse("joints", i, node.joints[i].name);
-    for (std::size_t i = 0; i < node.sensors.size(); ++i)
-      if (!sensors.insert(node.sensors[i].name).second) refuse("sensors", i, node.sensors[i].name);
-  }
-}
-
 /// A node without a CPU throws away what it is sent, and nobody would say anything of its joints and sensors.
 void check_parts_have_cpu(const Entry& file, const RingConfig& ring, Problems& problems) {
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
@@ -292,7 +277,6 @@ std::string unkeyed_line(const RingConfig& ring) {
 void check_ring(const Entry& file, const RingConfig& ring) {
   Problems problems;
   check_idle(file, ring.timeouts, problems);
-  check_part_names(file, ring, problems);
   check_parts_have_cpu(file, ring, problems);
   problems.gather([&] { check_hosts(file, ring); });
   check_keys(file, ring, problems);

@@ -4,6 +4,7 @@
 #include <array>
 #include <csignal>
 #include <filesystem>
+#include <set>
 
 #include "config/ring_config.h"
 #include "config/urdf_limits.h"
@@ -36,6 +37,24 @@ void read_roster(const std::vector<Entry>& items) {
   problems.refuse_all();
 }
 
+/// Joints and sensors of all nodes, as they stand there.
+void check_part_names(const std::vector<Entry>& nodes) {
+  Problems problems;
+  for (const char* list : {"joints", "sensors"}) {
+    std::set<std::string> names;
+    for (const Entry& node : nodes) {
+      const auto parts = node.is_map() ? node.find(list) : std::nullopt;
+      if (!parts || !parts->is_list()) continue;
+      for (const Entry& part : parts->items("")) {
+        const auto name = part.is_map() ? part.find("name") : std::nullopt;
+        if (name && name->is_scalar() && !names.insert(name->text("")).second)
+          part.note(problems, "'" + name->text("") + "' is the name of another one", "each name once in a ring");
+      }
+    }
+  }
+  problems.refuse_all();
+}
+
 NodeConfig read_node_map(const Entry& item, const LinkConfig& links, const std::vector<HostConfig>& hosts) {
   NodeConfig node;
   node.link = links;
@@ -57,6 +76,7 @@ void read_nodes(const Entry& entry, RingConfig& ring) {
   if (ring.links.port == 0) ring.links.port = default_first_port(ring.ring);
   Problems problems;
   entry.document().nodes_unsure = !problems.gather([&] { read_roster(items); });
+  problems.gather([&] { check_part_names(items); });
   for (const Entry& item : items)
     problems.gather([&] { ring.nodes.push_back(read_node_map(item, ring.links, ring.hosts)); });
   problems.refuse_all();
@@ -142,7 +162,10 @@ const char* unit_of(const JointConfig& joint) { return joint.slides() ? " m" : "
 /// Where the ring's file does not say where it starts, it starts as near to 0 as it may.
 void complete_joint(const Entry& entry, JointConfig& joint) {
   if (entry.document().urdf_unsure) return;
-  for (const char* limit : {"lower", "upper", "velocity", "effort"}) check_urdf_limit(entry, joint, limit);
+  Problems problems;
+  for (const char* limit : {"lower", "upper", "velocity", "effort"})
+    problems.gather([&] { check_urdf_limit(entry, joint, limit); });
+  problems.refuse_all();
   const std::string range = format_real(joint.lower) + " to " + format_real(joint.upper) + unit_of(joint);
   const bool own = entry.document().urdf.path.empty() || entry.find("lower") || entry.find("upper");
   if (joint.lower > joint.upper || (joint.lower == joint.upper && own))

@@ -44,7 +44,7 @@ const XMLElement* xacro_in(const XMLElement& root) {
 
 class UrdfReader {
  public:
-  explicit UrdfReader(UrdfJoints& into) : urdf_(into) {}
+  UrdfReader(UrdfJoints& into, bool whole) : urdf_(into), whole_(whole) {}
 
   void read(const std::string& text) {
     tinyxml2::XMLDocument xml;
@@ -57,6 +57,8 @@ class UrdfReader {
       refuse(part->GetLineNum(), std::string("is a xacro file, which is not expanded yet: <") + part->Name() +
                                      ">. 'xacro FILE.xacro > robot.urdf' makes a URDF of it");
     urdf_.robot = text_of(root->Attribute("name"));
+    for (const XMLElement* link = root->FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
+      links_.insert(text_of(link->Attribute("name")));
     for (const XMLElement* joint = root->FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
       problems_.gather([&] { take(*joint); });
     for (const auto& [name, joint] : urdf_.joints)
@@ -80,6 +82,7 @@ class UrdfReader {
     if (const XMLElement* mimic = element.FirstChildElement("mimic"); mimic && joint.moves())
       joint.mimic = {text_of(mimic->Attribute("joint")), number(*mimic, "multiplier", 1), number(*mimic, "offset", 0)};
     problems_.gather([&] { check_type(name, joint); });
+    if (whole_) check_whole(name, joint);
     if (!urdf_.joints.emplace(name, joint).second)
       refuse(joint.line,
              "joint '" + name + "' is there twice, first in line " + std::to_string(urdf_.joints[name].line));
@@ -91,6 +94,31 @@ class UrdfReader {
     if (kTypes.count(joint.type) == 0)
       refuse(joint.line, "joint '" + name + "' is " + (joint.type.empty() ? "of no type" : "'" + joint.type + "'") +
                              "; allowed: revolute, continuous, prismatic, fixed, floating, planar");
+  }
+
+  /// Where robot_state_publisher and others would refuse the robot.
+  void check_whole(const std::string& name, const UrdfJoint& joint) {
+    const auto note = [&](const std::string& problem) {
+      problems_.gather([&] { refuse(joint.line, "joint '" + name + "' " + problem); });
+    };
+    for (const auto& [end, link] : {std::pair("parent", joint.parent), std::pair("child", joint.child)})
+      if (link.empty())
+        note(std::string("has no ") + end + "; allowed: <" + end + " link=\"LINK\"/>");
+      else if (links_.count(link) == 0)
+        note(std::string("has the ") + end + " '" + link + "'; there is no such <link>");
+    if (!joint.moves()) return;
+    for (const auto& [limit, written] : joint.limit)
+      if (kLimits.count(limit) != 0 && !parse_real(written))
+        note("has " + limit + "=\"" + written + "\"; allowed: a number such as -0.5");
+    const double lower = limit_of(joint, "lower"), upper = limit_of(joint, "upper");
+    if (joint.type != "continuous" && lower > upper)
+      note("has the limits " + format_real(lower) + " to " + format_real(upper) + "; allowed: lower less than upper");
+  }
+
+  /// 0 by default, says the format.
+  static double limit_of(const UrdfJoint& joint, const char* limit) {
+    const auto found = joint.limit.find(limit);
+    return found == joint.limit.end() ? 0 : parse_real(found->second).value_or(0);
   }
 
   double number(const XMLElement& element, const char* name, double fallback) const {
@@ -127,7 +155,11 @@ class UrdfReader {
     throw ConfigError(urdf_.path + ':' + std::to_string(line) + ": " + problem);
   }
 
+  inline static const std::set<std::string> kLimits{"lower", "upper", "velocity", "effort"};
+
   UrdfJoints& urdf_;
+  bool whole_;
+  std::set<std::string> links_;
   Problems problems_;
 };
 
@@ -140,10 +172,10 @@ UrdfJoint::Mimic UrdfJoints::leader_of(const std::string& joint) const {
   return all;
 }
 
-UrdfJoints parse_urdf(const std::string& text, const std::string& path) {
+UrdfJoints parse_urdf(const std::string& text, const std::string& path, bool whole) {
   UrdfJoints urdf;
   urdf.path = path;
-  UrdfReader(urdf).read(text);
+  UrdfReader(urdf, whole).read(text);
   return urdf;
 }
 

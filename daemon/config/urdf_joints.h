@@ -41,8 +41,10 @@ struct UrdfJoints {
 /// @param path stands for the file in errors
 /// @throw ConfigError `FILE:LINE: PROBLEM` for all that is wrong: not XML, no URDF but something else, which it names
 ///        with what makes a URDF of it; a joint without a name, two of one, one of a type that URDF does
-///        not have, one that mimics nobody or itself
-UrdfJoints parse_urdf(const std::string& text, const std::string& path);
+///        not have, one that mimics nobody or itself; with `whole` also what keeps the links from being a robot, and
+///        limits that no joint can have
+/// @param whole the robot is of interest, not only the limits of joints that a ring's file names
+UrdfJoints parse_urdf(const std::string& text, const std::string& path, bool whole = false);
 
 /// `text` as it may stand in XML, in an attribute or between tags. Whatever it holds: each byte that XML does not
 /// allow, or that is no UTF-8, is U+FFFD.

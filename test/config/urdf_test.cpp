@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "config/ring_text.h"
+#include "config/urdf_joints.h"
 #include "support/temporary_folder.h"
 
 namespace limb_ring::config {
@@ -243,12 +244,44 @@ TEST_F(Urdf, HasAJointThatDoesNotTurn) {
                           "/robot.urdf:2; allowed: a joint that is revolute, continuous or prismatic"));
 }
 
+TEST_F(Urdf, SaysAllThatIsWrongAtOnce) {
+  EXPECT_THAT(refusal(robot("<joint type='fixed'/>\n<joint name='a' type='wobbly'/>\n<joint name='b'/>\n"
+                            "<joint name='c' type='revolute'><mimic joint='d'/></joint>\n")),
+              AllOf(HasSubstr(":2: a joint has no name"),
+                    HasSubstr(":3: joint 'a' is 'wobbly'; allowed: revolute, continuous, prismatic, fixed"),
+                    HasSubstr(":4: joint 'b' is of no type"), HasSubstr(":5: joint 'c' mimics 'd'")));
+}
+
+TEST_F(Urdf, ThatIsToBeAWholeRobotHasItsLinksAndItsLimits) {
+  const std::string wrong = robot(
+      "<link name='body'/><link name='shin'/>\n"
+      "<joint name='a' type='revolute'><child link='shin'/></joint>\n"
+      "<joint name='b' type='prismatic'><parent link='body'/><child link='foot'/><limit lower='1' upper='0'/></joint>\n"
+      "<joint name='c' type='revolute'><parent link='body'/><child link='shin'/><limit effort='much'/></joint>\n"
+      "<joint name='d' type='fixed'><parent link='body'/></joint>\n");
+  EXPECT_EQ(parse_urdf(wrong, "robot.urdf").joints.size(), 4u) << "a ring's file asks it for limits alone";
+  try {
+    parse_urdf(wrong, "robot.urdf", /*whole=*/true);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(),
+                 "robot.urdf:3: joint 'a' has no parent; allowed: <parent link=\"LINK\"/>\n"
+                 "robot.urdf:4: joint 'b' has the child 'foot'; there is no such <link>\n"
+                 "robot.urdf:4: joint 'b' has the limits 1 to 0; allowed: lower less than upper\n"
+                 "robot.urdf:5: joint 'c' has effort=\"much\"; allowed: a number such as -0.5\n"
+                 "robot.urdf:6: joint 'd' has no child; allowed: <child link=\"LINK\"/>");
+  }
+}
+
 TEST_F(Urdf, HasALimitThatIsWrong) {
   EXPECT_THAT(refusal(knee("revolute", "<limit lower='-1' upper='1' velocity='fast' effort='9'/>")),
               HasSubstr("entry 'nodes[0].joints[0]': joint 'knee' has velocity=\"fast\" in " + folder_ +
                         "/robot.urdf:2; allowed: a number, there or as 'velocity' here"));
   EXPECT_THAT(refusal(knee("revolute", "<limit lower='${-pi}' upper='1' velocity='1' effort='9'/>")),
               HasSubstr("has lower=\"${-pi}\" in "));
+  EXPECT_THAT(refusal(knee("revolute", "<limit lower='a' upper='b' velocity='c' effort='d'/>")),
+              AllOf(HasSubstr("lower=\"a\""), HasSubstr("upper=\"b\""), HasSubstr("velocity=\"c\""),
+                    HasSubstr("effort=\"d\"")));
   EXPECT_THAT(refusal(knee("revolute", "<limit lower='1' velocity='1' effort='9'/>")),
               HasSubstr("joint 'knee' has the limits 1 to 0 rad"));
 }

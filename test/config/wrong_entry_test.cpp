@@ -23,12 +23,12 @@ TEST(WrongEntry, IsNotTheOnlyOneAndAllAreNamedAtOnce) {
       "  - {name: b}\n  - {id: 0, cpu: some}\n"
       "supervisor: {node: b}\ntraffic: [{name: s, from: c, to: all, size: 0, rate: 1}]\n";
   const std::string all = refusal_of(text);
-  for (const char* problem :
-       {"ring.yaml:1:7: entry 'ring'", "ring.yaml:2:1: entry 'colour'", "entry 'timeouts.send'",
-        "entry 'timeouts.idel'", "entry 'nodes[0].name'", "'nodes[0].joints[0].lower'", "'nodes[0].joints[1].safe'",
-        "entry 'nodes[1]': 'id' is missing", "'nodes[2].cpu'", "entry 'traffic[0].size'"})
+  for (const char* problem : {"ring.yaml:1:7: entry 'ring'", "ring.yaml:2:1: entry 'colour'", "entry 'timeouts.send'",
+                              "entry 'timeouts.idel'", "entry 'nodes[0].name'", "'nodes[0].joints[0].lower'",
+                              "'nodes[0].joints[1].safe'", "'nodes[0].joints[1]': 'a' is the name of another one",
+                              "entry 'nodes[1]': 'id' is missing", "'nodes[2].cpu'", "entry 'traffic[0].size'"})
     EXPECT_THAT(all, HasSubstr(problem));
-  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 9) << all;
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 10) << all;
   EXPECT_THAT(all, ::testing::Not(HasSubstr("supervisor.node"))) << "nobody knows all nodes";
   EXPECT_THAT(refusal_of(two_nodes("bridge: {topics: [{input: a, from: 0, to: 1}, {input: a, from: 0, to: 1}]}\n"
                                    "timeouts: {idle: 1s}\n")),

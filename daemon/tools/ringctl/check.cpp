@@ -34,7 +34,7 @@ std::string ring_words(const config::RingConfig& ring) {
 }
 
 std::string urdf_words(const std::string& path) {
-  const config::UrdfJoints urdf = config::parse_urdf(config::read_file(path), path);
+  const config::UrdfJoints urdf = config::parse_urdf(config::read_file(path), path, /*whole=*/true);
   std::size_t driven = 0, mimics = 0;
   for (const auto& [name, joint] : urdf.joints) {
     driven += joint.has_motor();

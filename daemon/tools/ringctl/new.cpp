@@ -215,7 +215,7 @@ void print_left_out(const UrdfJoints& urdf) {
 }
 
 int make(const NewOptions& options) {
-  const UrdfJoints urdf = config::parse_urdf(config::read_file(options.urdf), options.urdf);
+  const UrdfJoints urdf = config::parse_urdf(config::read_file(options.urdf), options.urdf, /*whole=*/true);
   NewRing ring;
   ring.robot = urdf.robot.empty() ? fs::path(options.urdf).filename().string() : urdf.robot;
   ring.name = options.name.empty() ? plain_name(ring.robot, "robot") : options.name;
