@@ -84,6 +84,8 @@ Bridge::~Bridge() {
 
 void Bridge::make_topics() {
   const auto own = parameters_.ring.find(parameters_.daemon.node)->id;
+  if (parameters_.daemon.role == Role::cpu && own == config::body_of(parameters_.ring).id)
+    sensors_.emplace(nodes_, parameters_.ring, port_, counters_);
   const auto& topics = parameters_.ring.bridge.topics;
   for (std::size_t i = 0; i < topics.size(); ++i)
     if (topics[i].from == own)

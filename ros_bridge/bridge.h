@@ -26,7 +26,7 @@ namespace limb_ring::bridge {
 
 /// The CPU of one node of the ring, as ROS sees it: one class per direction, put together here.
 ///
-///   ROS -> ring   CommandIn, TopicIn (one per topic), Services
+///   ROS -> ring   CommandIn, SensorIn, TopicIn (one per topic), Services
 ///   ring -> ROS   JointDataOut, TopicOut, StatusOut (and with it DiagnosticsOut), EventsOut, FramesOut
 class Bridge {
  public:
@@ -48,6 +48,7 @@ class Bridge {
   JointDataOut joints_;
   TopicOut topics_out_;
   CommandIn commands_;
+  std::optional<SensorIn> sensors_;
   Controllers controllers_;
   std::vector<std::unique_ptr<TopicIn>> topics_in_;
   std::optional<PublisherLook> publishers_;

@@ -1,14 +1,20 @@
 #pragma once
 
+#include <geometry_msgs/WrenchStamped.h>
 #include <ros/ros.h>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/JointState.h>
 
+#include <array>
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
+#include "limb_ring/payload/sensor_reading.h"
 #include "ros_bridge/command_sender.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
@@ -59,6 +65,36 @@ class CommandIn {
   std::function<void(const Heard&)> heard_ = [](const Heard&) {};
   DirectQueue at_once_;
   std::map<std::string, ros::Subscriber> subscribers_;  ///< by topic
+};
+
+/// Values of sensors from ROS: the entry `topic` of a sensor in the ring's file. Each goes to the node that has the
+/// sensor, on channel 2 at the sensor's priority; its CPU sends it on as a reading (client/node_cpu.h). At most `rate`
+/// a second, and one of each sensor under way: a value that comes sooner is left out, and counted. (ours)
+class SensorIn {
+ public:
+  SensorIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port, Counters& counters);
+
+ private:
+  /// Ring thread only, but for what is const.
+  struct Source {
+    const std::uint8_t node;
+    const std::uint8_t priority;
+    const RingPort::Clock::duration period;
+    payload::SensorReading next;  ///< without its values
+    bool under_way = false;
+    RingPort::Clock::time_point not_before{};
+  };
+
+  template <typename Message>
+  ros::Subscriber subscribe(ros::NodeHandle& nodes, const std::string& topic, Source& source);
+  void take(Source& source, const std::array<double, 3>& linear, const std::array<double, 3>& angular);
+  void send(Source& source);
+
+  RingPort& port_;
+  Counters& counters_;
+  std::deque<Source> sources_;
+  DirectQueue at_once_;
+  std::vector<ros::Subscriber> subscribers_;
 };
 
 }  // namespace limb_ring::bridge

@@ -46,8 +46,8 @@ NodeSetup setup_of(const std::string& answer) try {
   setup.name = row.at("name");
   for (const json& joint : row.at("joints")) setup.joints.push_back(joint_of(joint));
   for (const json& sensor : row.at("sensors"))
-    setup.sensors.push_back(
-        {sensor.at("name"), sensor.at("imu"), sensor.at("rate"), sensor.at("priority"), sensor.at("csv")});
+    setup.sensors.push_back({sensor.at("name"), sensor.at("imu"), sensor.at("rate"), sensor.at("priority"),
+                             sensor.at("csv"), sensor.at("topic")});
   setup.state_rate = row.at("state_rate");
   setup.bandwidth = row.at("bandwidth");
   setup.damping = row.at("damping");

@@ -47,15 +47,30 @@ void NodeCpu::measured_by(const std::string& name, std::function<SensorValues()>
 
 std::string NodeCpu::unmeasured() const {
   for (std::size_t i = 0; i < sensors_.size(); ++i)
-    if (!sensors_[i].measure) return setup_.sensors[i].name;
+    if (!sensors_[i].measure && setup_.sensors[i].topic.empty()) return setup_.sensors[i].name;
   return {};
 }
 
 std::optional<payload::JointCommand> NodeCpu::receive_joint_data(const Packet& packet, const Timestamps& now) {
   const auto command = command_for(setup_.id, packet.data);
   if (command && limb_.command(*command, now) == Verdict::obey) return **command;
-  if (!command && !payload::is_type(packet.data, payload::PacketType::command_set)) ignore();
+  if (!command && !payload::is_type(packet.data, payload::PacketType::command_set) && !take_value(packet, now))
+    ignore();
   return std::nullopt;
+}
+
+/// What a topic says goes out once, when it comes: nothing is held that could grow old.
+bool NodeCpu::take_value(const Packet& packet, const Timestamps& now) {
+  const auto value = payload::decode_sensor_reading(packet.data);
+  if (!value || value->sensor >= sensors_.size()) return false;
+  Sensor& sensor = sensors_[value->sensor];
+  const bool taken = !setup_.sensors[value->sensor].topic.empty() && !sensor.measure;
+  if (!taken || value->kind != sensor.next.kind) return false;
+  if (may_send())
+    send_reading(sensor, {value->linear, value->angular}, now.wall_ns);
+  else
+    ++sensor.next.sequence;
+  return true;
 }
 
 void NodeCpu::receive(const Interrupt& interrupt, const Timestamps& now) {
@@ -75,7 +90,8 @@ void NodeCpu::receive(const limb_ring::Result& result) {
 
 void NodeCpu::advance(const Timestamps& now) {
   if (states_) sample_states(now);
-  for (auto& sensor : sensors_) sample(sensor, now);
+  for (auto& sensor : sensors_)
+    if (sensor.measure) sample(sensor, now);
   limb_.advance(now.monotonic);
 }
 
@@ -95,18 +111,21 @@ void NodeCpu::sample(Sensor& sensor, const Timestamps& now) {
   };
   while (const auto due = sensor.periodic.take(now.monotonic)) {
     leave_out(due->left_out);
-    if (!sensor.measure || !may_send()) {
+    if (!may_send()) {
       leave_out(1);
       continue;
     }
-    const SensorValues values = sensor.measure();
-    payload::SensorReading reading = sensor.next;
-    reading.stamp_ns = at(due->at, now).wall_ns;
-    reading.linear = values.linear;
-    reading.angular = values.angular;
-    leave_out(1);  // its number is used
-    send(payload::encode(reading), sensor.priority);
+    send_reading(sensor, sensor.measure(), at(due->at, now).wall_ns);
   }
+}
+
+void NodeCpu::send_reading(Sensor& sensor, const SensorValues& values, std::int64_t stamp_ns) {
+  payload::SensorReading reading = sensor.next;
+  reading.stamp_ns = stamp_ns;
+  reading.linear = values.linear;
+  reading.angular = values.angular;
+  ++sensor.next.sequence;
+  send(payload::encode(reading), sensor.priority);
 }
 
 bool NodeCpu::may_send() {
@@ -135,7 +154,7 @@ std::optional<nanoseconds> NodeCpu::due() const {
   std::optional<nanoseconds> earliest;
   if (states_) earliest = states_->due();
   for (const auto& sensor : sensors_)
-    earliest = earliest ? std::min(*earliest, sensor.periodic.due()) : sensor.periodic.due();
+    if (sensor.measure) earliest = earliest ? std::min(*earliest, sensor.periodic.due()) : sensor.periodic.due();
   return earliest;
 }
 

@@ -44,9 +44,10 @@ class NodeCpu {
   void moved_by(JointNode::Step step) { limb_.moved_by(std::move(step)); }
   /// @throw std::invalid_argument naming the sensors, where there is none of that name
   void measured_by(const std::string& sensor, std::function<SensorValues()> measure);
-  /// The first sensor that nobody measures; empty: none.
+  /// The first sensor that nobody measures, and that no topic gives values; empty: none.
   std::string unmeasured() const;
 
+  /// A command, or a value for a sensor with a topic.
   /// @return the command that was obeyed; nothing where none was
   std::optional<payload::JointCommand> receive_joint_data(const Packet& packet, const Timestamps& now);
   /// A packet that is nothing for this CPU.
@@ -75,6 +76,8 @@ class NodeCpu {
   };
   void sample_states(const Timestamps& now);
   void sample(Sensor& sensor, const Timestamps& now);
+  bool take_value(const Packet& packet, const Timestamps& now);
+  void send_reading(Sensor& sensor, const SensorValues& values, std::int64_t stamp_ns);
   bool may_send();
   void send(const payload::Encoded& bytes, std::uint8_t priority);
   std::uint64_t left_out() const;

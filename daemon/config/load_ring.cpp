@@ -95,6 +95,18 @@ void check_parts_have_cpu(const Entry& file, const RingConfig& ring, Problems& p
   }
 }
 
+/// The bridge, which hears the topic, is the CPU of the body itself.
+void check_sensor_topics(const Entry& file, const RingConfig& ring, Problems& problems) {
+  const NodeConfig& body = body_of(ring);
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n)
+    for (std::size_t i = 0; i < ring.nodes[n].sensors.size() && ring.nodes[n].id == body.id; ++i)
+      if (!body.sensors[i].topic.empty())
+        element(element(file, "nodes", n), "sensors", i)
+            .find("topic")
+            ->note(problems, "node '" + body.name + "' is the body, whose CPU hands out the values of topics",
+                   "a topic for sensors of other nodes");
+}
+
 /// For unix links too: the command line can make them udp.
 void check_ports(const Entry& file, const RingConfig& ring, Problems& problems) {
   std::map<std::pair<std::string, unsigned>, std::string> taken;
@@ -278,6 +290,7 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   Problems problems;
   check_idle(file, ring.timeouts, problems);
   check_parts_have_cpu(file, ring, problems);
+  check_sensor_topics(file, ring, problems);
   problems.gather([&] { check_hosts(file, ring); });
   check_keys(file, ring, problems);
   check_expected(file, ring, problems);

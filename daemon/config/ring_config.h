@@ -77,7 +77,8 @@ struct SensorConfig {
   std::string name;
   enum class Kind { imu, force } kind = Kind::imu;
   double rate = 100.0;        ///< Hz
-  std::string csv;            ///< file that limb_firmware plays, absolute once loaded; empty: made up from the joints
+  std::string csv;            ///< file that limb_firmware plays, absolute once loaded; empty: none
+  std::string topic;          ///< ROS topic whose values the bridge hands to its CPU; empty: none
   std::uint8_t priority = 1;  ///< 0..3
 };
 

@@ -176,7 +176,13 @@ void complete_joint(const Entry& entry, JointConfig& joint) {
                  range);
 }
 
-void complete_sensor(const Entry&, SensorConfig&) {}
+void complete_sensor(const Entry& entry, SensorConfig& sensor) {
+  if (!sensor.csv.empty() && !sensor.topic.empty())
+    entry.refuse("sensor '" + sensor.name + "' has a csv and a topic", "one of them");
+  if (sensor.topic == "sensors/" + sensor.name)
+    entry.find("topic")->refuse("'" + sensor.topic + "' is where the readings of this sensor are published",
+                                "the topic of whoever measures, such as imu/data");
+}
 
 /// @return absolute; refused where there is no such file
 std::string read_file_beside(const Entry& entry, const char* rule) {
@@ -190,11 +196,19 @@ std::string read_file_beside(const Entry& entry, const char* rule) {
 constexpr const char* kFileRule = "a path, from the folder of this file, or absolute";
 
 Option<SensorConfig> csv_option() {
-  return {
-      "csv", "made up from the node's joints", kFileRule,
-      "limb_firmware plays this recording: rows of time in s, three linear and three angular values (m/s^2 and rad/s, "
-      "or N and N m), with commas between them; from the beginning again after the last row.",
-      [](const Entry& entry, SensorConfig& sensor) { sensor.csv = read_file_beside(entry, kFileRule); }};
+  return {"csv", "computed from the node's joints", kFileRule,
+          "limb_firmware plays this recording and starts again after the last row. A row is the time in s, three "
+          "linear and three angular values (m/s^2 and rad/s, or N and N m), separated by commas.",
+          [](const Entry& entry, SensorConfig& sensor) { sensor.csv = read_file_beside(entry, kFileRule); }};
+}
+
+Option<SensorConfig> sensor_topic_option() {
+  auto option = name_option("topic", &SensorConfig::topic, is_topic_name, kTopicNameRule, "none",
+                            "The sensor's values come from this ROS topic: sensor_msgs/Imu, or "
+                            "geometry_msgs/WrenchStamped for force. The bridge of the body sends each to this node, at "
+                            "most `rate` a second, and limb_firmware sends it on as a reading at once. Both packets "
+                            "load the ring. A topic that says nothing makes a silent sensor.");
+  return option;
 }
 
 Option<NodeConfig> id_option() {
@@ -253,10 +267,11 @@ const Section<NodeConfig>& node_section() {
        "bridge. command: ringd starts it.",
        read_cpu},
       list_option("joints", &NodeConfig::joints, joint_section(), kMostJoints, complete_joint,
-                  "The joints this node drives; they need a cpu."),
-      list_option("sensors", &NodeConfig::sensors, sensor_section(), kMostSensors, complete_sensor,
-                  "The sensors this node reads; they need a cpu. A sensor's name is the frame_id of its messages."),
-      {"pins", "{0: reset, 1: stop, 2: sync}", "a map, see below", "What interrupts from the ring do here.",
+                  "The joints that this node drives. They need a cpu."),
+      list_option(
+          "sensors", &NodeConfig::sensors, sensor_section(), kMostSensors, complete_sensor,
+          "The sensors that this node reads. They need a cpu. A sensor's name is the frame_id of its messages."),
+      {"pins", "{0: reset, 1: stop, 2: sync}", "a map, see below", "What interrupts from the ring do at this node.",
        [](const Entry& entry, NodeConfig& node) { read_section(entry, pins_section(), node); }},
       {"inputs", "{}", "a map, see below", "Where interrupt inputs lead (a button, a watchdog, a tool).",
        [](const Entry& entry, NodeConfig& node) { read_section(entry, inputs_section(), node); }},
@@ -324,8 +339,9 @@ const Section<SensorConfig>& sensor_section() {
 }
 
 namespace {
+sensor_topic_option(),
 
-using Action = PinConfig::Action;
+    using Action = PinConfig::Action;
 
 const char* const kAllowedPins = "none, reset, stop, notify, sync, {signal: NAME} or {exec: [PROGRAM, ARGUMENT, ...]}";
 

@@ -16,6 +16,10 @@ const char* words_of(payload::SensorReading::Kind kind) {
   return kind == payload::SensorReading::Kind::imu ? "an IMU" : "a force sensor";
 }
 
+std::string source_of(const config::SensorConfig& sensor) {
+  return sensor.topic.empty() ? "" : ", whose values the bridge takes from the topic " + sensor.topic;
+}
+
 bool fits(payload::SensorReading::Kind kind, config::SensorConfig::Kind configured) {
   return (kind == payload::SensorReading::Kind::imu) == (configured == config::SensorConfig::Kind::imu);
 }
@@ -81,7 +85,8 @@ void CpuWatch::look(core::Time now) {
   if (!runs_ || now - spoke_ > kLook) return;
   if (!node_.joints.empty()) look_at("joint states", state_rate_, state_heard_, now);
   for (std::size_t i = 0; i < heard_.size(); ++i)
-    look_at("readings of " + node_.sensors[i].name, node_.sensors[i].rate, heard_[i], now);
+    look_at("readings of " + node_.sensors[i].name + source_of(node_.sensors[i]), node_.sensors[i].rate, heard_[i],
+            now);
   look_at_commands();
 }
 

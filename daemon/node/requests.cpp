@@ -120,7 +120,8 @@ void Requests::setup(const Json&, const Answer& answer) {
                        {"imu", sensor.kind == config::SensorConfig::Kind::imu},
                        {"rate", sensor.rate},
                        {"priority", sensor.priority},
-                       {"csv", sensor.csv}});
+                       {"csv", sensor.csv},
+                       {"topic", sensor.topic}});
   answer({{"id", to_.node.id},
           {"name", to_.node.name},
           {"joints", joints},

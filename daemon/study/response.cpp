@@ -316,9 +316,13 @@ void add_joints(const RingConfig& ring, std::vector<Stream>& streams) {
 void add_sensors(const RingConfig& ring, std::vector<Stream>& streams) {
   const NodeId body = place_of(ring, config::body_of(ring).id);
   for (const NodeConfig& node : ring.nodes)
-    for (const config::SensorConfig& sensor : node.sensors)
-      streams.push_back(
-          message(sensor.name, place_of(ring, node.id), body, sensor.priority, reading_bytes(), sensor.rate));
+    for (const config::SensorConfig& sensor : node.sensors) {
+      const NodeId there = place_of(ring, node.id);
+      streams.push_back(message(sensor.name, there, body, sensor.priority, reading_bytes(), sensor.rate));
+      if (!sensor.topic.empty())
+        streams.push_back(
+            message("values for " + sensor.name, body, there, sensor.priority, reading_bytes(), sensor.rate));
+    }
 }
 
 void add_topics(const RingConfig& ring, std::vector<Stream>& streams) {

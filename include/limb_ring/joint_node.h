@@ -33,6 +33,9 @@ struct NodeSensor {
   double rate = 0;        ///< Hz
   unsigned priority = 1;  ///< of its packets, 0 is the highest
   std::string csv = {};   ///< a recording of it, which limb_firmware plays; empty: none
+  /// The ROS topic that its values come from, by way of the bridge; empty: none. JointNode sends each value that comes
+  /// as a reading, at once, unless on_sensor() measures.
+  std::string topic = {};
 };
 
 /// What the ring's file says of one node and its firmware. The daemon tells it, as it has read it at its own start.

@@ -86,7 +86,8 @@ void bind_joint_node(py::module& module) {
   py::class_<NodeSensor>(module, "NodeSensor")
       .def_readonly("name", &NodeSensor::name)
       .def_readonly("imu", &NodeSensor::imu)
-      .def_readonly("rate", &NodeSensor::rate);
+      .def_readonly("rate", &NodeSensor::rate)
+      .def_readonly("topic", &NodeSensor::topic);
   py::class_<JointGoal>(module, "JointGoal")
       .def_property_readonly("state", &state_word)
       .def_readonly("position", &JointGoal::position)

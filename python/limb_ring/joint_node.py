@@ -46,7 +46,7 @@ class JointNode:
 
     @property
     def sensors(self):
-        """As the ring's file gives them: name, imu (False: force and torque), rate in Hz."""
+        """As the ring's file gives them: name, imu (False: force and torque), rate in Hz, topic ('': none)."""
         return self._node.setup_sensors
 
     @property

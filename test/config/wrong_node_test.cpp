@@ -128,6 +128,22 @@ TEST(WrongNodes, Sensors) {
               HasSubstr("'0' is out of range; allowed: a number, 0.1 to 1000 Hz"));
 }
 
+TEST(WrongNodes, SensorsWithATopic) {
+  const auto refusal_with = [](const std::string& topic) {
+    return refusal_of(node_with("    cpu: {command: [f]}\n    sensors: [{name: a, " + topic + "}]\n"));
+  };
+  EXPECT_EQ(refusal_with("topic: gazebo/imu"), "");
+  EXPECT_THAT(refusal_with("topic: ~imu"), HasSubstr("'~imu' is not a name that can be used here"));
+  EXPECT_THAT(refusal_with("topic: sensors/a"),
+              HasSubstr("'sensors/a' is where the readings of this sensor are published; allowed: the topic of whoever "
+                        "measures, such as imu/data"));
+  EXPECT_THAT(refusal_with("csv: ring.yaml, topic: b"), HasSubstr("there is no file"));
+  EXPECT_THAT(refusal_with("csv: /proc/self/stat, topic: b"), HasSubstr("'a' has a csv and a topic; allowed: one"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 0, cpu: attached, sensors: [{name: a, topic: b}]}\n  - {id: 1}\n"),
+              HasSubstr("'nodes[0].sensors[0].topic': node 'node0' is the body, whose CPU hands out the values of "
+                        "topics; allowed: a topic for sensors of other nodes"));
+}
+
 TEST(WrongNodes, Pins) {
   EXPECT_THAT(refusal_of(node_with("    pins: {3: restart}\n")), HasSubstr("'nodes[1].pins.3': 'restart' is unknown"));
   EXPECT_THAT(refusal_of(node_with("    pins: {8: reset}\n")), HasSubstr("'nodes[1].pins.8': is unknown"));

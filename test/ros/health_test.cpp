@@ -83,6 +83,13 @@ TEST_F(Health, IsOkWhereNothingIsWrongWhateverWasCountedBefore) {
   EXPECT_EQ(of_line().level, Level::OK);
 }
 
+TEST_F(Health, WarnsOfWhatIsWrongWithTheFirmwareOfTheCpu) {
+  knee().problem = "its CPU runs and sends no readings of shin; step() takes longer than what it steps over";
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  EXPECT_EQ(of_node().message, knee().problem);
+}
+
 TEST_F(Health, OfTheRingIsSaidAsRingctlStatusSaysIt) {
   EXPECT_EQ(of_ring().level, Level::OK);
   EXPECT_EQ(of_ring().message, "3 of 3 nodes up");

@@ -56,6 +56,17 @@ TEST(Streams, JointCommandsComeFromTheBodyAllAtOnce) {
   EXPECT_EQ(command.phase, Duration{0});
 }
 
+TEST(Streams, ASensorWithATopicLoadsTheRingTwice) {
+  std::string yaml = kRobot;
+  yaml.insert(yaml.find("rate: 50"), "topic: gazebo/sole, ");
+  const std::vector<Stream> streams = streams_in(yaml);
+  const Stream reading = named(streams, "sole"), value = named(streams, "values for sole");
+  EXPECT_EQ(value.source, reading.destination);
+  EXPECT_EQ(value.destination, reading.source);
+  EXPECT_EQ(value.bytes, reading.bytes);
+  EXPECT_EQ(value.period, reading.period);
+}
+
 TEST(Streams, BroadcastCommandsAreOneMessageOfAsManyPacketsAsItTakes) {
   std::string yaml = kRobot;
   const std::string bridge = "bridge:\n";

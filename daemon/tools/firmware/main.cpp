@@ -91,7 +91,8 @@ int run_cpu(const Options& options) {
   });
   firmware::SimulatedLimb limb(node.setup());
   node.on_step([&](double dt, const std::vector<JointGoal>& goals) { return limb.step(dt, goals); });
-  for (const NodeSensor& sensor : node.setup().sensors) add_sensor(node, sensor, limb);
+  for (const NodeSensor& sensor : node.setup().sensors)
+    if (sensor.topic.empty()) add_sensor(node, sensor, limb);
   add_faults(node, options);
   if (!options.command_log.empty()) log_commands(node, options.command_log);
   const int code = node.run();

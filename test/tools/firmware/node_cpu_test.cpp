@@ -173,6 +173,45 @@ TEST_F(NodeCpuTest, NamesTheSensorsForOneThatIsNot) {
   EXPECT_EQ(NodeCpu(leg(), true, at(0ms)).unmeasured(), "imu");
 }
 
+TEST(NodeCpu, SendsEachValueOfATopicOnceAndAtOnceAsAReading) {
+  NodeSetup setup = leg();
+  setup.joints.clear();
+  setup.sensors[1].topic = "gazebo/force";
+  NodeCpu cpu(setup, true, at(0ms));
+  EXPECT_EQ(cpu.unmeasured(), "imu");
+  EXPECT_FALSE(cpu.due()) << "nothing is measured here";
+  payload::SensorReading value;
+  value.kind = payload::SensorReading::Kind::force;
+  value.sensor = 1;
+  for (const double z : {9.5, -3.0}) {
+    value.linear = {0, 1, z};
+    value.angular = {2, 0, 0};
+    cpu.receive_joint_data(packet(2, *encode(value)), at(7ms));
+    const auto sent = cpu.take_outgoing();
+    ASSERT_EQ(sent.size(), 1U);
+    EXPECT_EQ(sent[0].destination, 3);
+    EXPECT_EQ(sent[0].priority, 2);
+    const auto reading = payload::decode_sensor_reading(view(sent[0].data));
+    ASSERT_TRUE(reading);
+    EXPECT_EQ(reading->sensor, 1);
+    EXPECT_EQ(reading->sequence, z < 0);
+    EXPECT_EQ(reading->stamp_ns, at(7ms).wall_ns);
+    EXPECT_EQ(reading->linear, value.linear);
+    EXPECT_EQ(reading->angular, value.angular);
+  }
+  EXPECT_EQ(cpu.counters().ignored, 0U);
+
+  payload::SensorReading of_imu = value;
+  of_imu.sensor = 0;
+  payload::SensorReading imu = value;
+  imu.kind = payload::SensorReading::Kind::imu;
+  for (const auto& unwanted : {of_imu, imu}) cpu.receive_joint_data(packet(2, *encode(unwanted)), at(8ms));
+  cpu.measured_by("force", [] { return SensorValues{}; });
+  cpu.receive_joint_data(packet(2, *encode(value)), at(8ms));
+  EXPECT_TRUE(cpu.take_outgoing().empty()) << "no sensor with a topic, another kind, one that is measured here";
+  EXPECT_EQ(cpu.counters().ignored, 3U);
+}
+
 TEST_F(NodeCpuTest, SaysWhatItDidInOneLine) {
   run_until(1s);
   cpu.receive_joint_data(packet(2, bytes_of(positions(0ms, {0.5}))), at(1s));
