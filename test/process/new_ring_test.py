@@ -1,5 +1,6 @@
 """`ringctl new` and `ringctl check`: from the URDF of a robot of others to joints that move, by the file alone."""
 import os
+import subprocess
 import sys
 
 import ring_process
@@ -8,6 +9,7 @@ from ring_process import GUARD, RingTest
 from limb_ring import BROADCAST, CommandSet, JointCommand, JointState, Packet
 
 ROBOTS = os.path.join(os.environ.get('LIMB_RING_DATA', ''), 'robots')
+TABLE = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts', 'robots_table')
 # Arms, quadrupeds, humanoids, one with a lift, wheels and a gripper: nodes of their rings, and joints with a motor.
 EXPECTED = {'anymal': (5, 12), 'bravo7_gripper': (5, 8), 'go2': (5, 12), 'icub': (13, 32), 'kinova': (3, 6),
             'panda': (4, 8), 'solo12': (5, 12), 'talos_full_v2': (13, 32), 'tiago': (25, 48), 'ur5_robot': (3, 6)}
@@ -64,6 +66,13 @@ class NewRing(RingTest):
 
     def test_what_is_no_urdf_is_named_for_what_it_is(self):
         self.assertIn('is an SDF', self.new('cassie.sdf', code=2).stderr)
+
+    def test_the_table_of_robots_says_how_many_load_and_how_many_did(self):
+        table = subprocess.run([sys.executable, TABLE, ROBOTS, '--programs', os.path.dirname(ring_process.program('ringctl'))],
+                               stdout=subprocess.PIPE, universal_newlines=True, timeout=GUARD)
+        self.assertEqual(table.returncode, 0, table.stdout)
+        self.assertIn('10 URDFs with joints that move: 3 load with the rules of 0.1.0, 10 today', table.stdout)
+        self.assertIn('not counted: cassie.sdf', table.stdout)
 
     def test_writes_over_nothing_that_is_there_unless_forced(self):
         self.new('go2.urdf')

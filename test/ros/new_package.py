@@ -20,7 +20,16 @@ def run(command, **options):
     return done.stdout
 
 
+def code_lines(source):
+    """Of firmware, controller and tests: neither empty nor a comment alone."""
+    files = [os.path.join(source, folder, name) for folder in ('src', 'scripts', 'test')
+             for name in os.listdir(os.path.join(source, folder))]
+    lines = [line.strip() for file in files for line in open(file)]
+    return sum(bool(line) and not line.startswith(('#', '//')) for line in lines)
+
+
 def try_package(ringctl, devel, prefix, robot, folder):
+    """@return lines of code in it"""
     environment = {key: value for key, value in os.environ.items() if not key.startswith('LIMB_RING')}
     environment.update(PATH=os.path.dirname(ringctl) + ':' + environment['PATH'], PYTHONDONTWRITEBYTECODE='1',
                        ROS_HOME=os.path.join(folder, 'ros'))
@@ -37,6 +46,7 @@ def try_package(ringctl, devel, prefix, robot, folder):
     tests = run(['bash', '-c', sourced + ' -N'], env=environment)
     assert all(name in tests for name in TESTS), tests
     run(['bash', '-c', sourced], env=environment)
+    return code_lines(source)
 
 
 def main():
@@ -47,8 +57,9 @@ def main():
         return
     for robot in robots:
         with tempfile.TemporaryDirectory(prefix='new_package') as folder:
-            try_package(ringctl, devel, prefix, robot, folder)
-        print(robot, 'is built and tested')
+            lines = try_package(ringctl, devel, prefix, robot, folder)
+        print('%s is built and tested; firmware of two nodes, controller and three kinds of test: %d lines, all written by '
+              'ringctl new' % (robot, lines))
 
 
 if __name__ == '__main__':
