@@ -22,17 +22,14 @@ void read_save(const Entry& entry, RecorderSaves& saves) {
 const Section<RecorderSaves>& saves_section() {
   static const Section<RecorderSaves> section{
       {"save", "[]", kSaveRule,
-       "When the recordings of all nodes are saved by themselves, by `ringctl up`: crash: a daemon ends that nobody "
-       "has "
-       "ended; break: a broken line is located; promise: one is broken, for which the ring is watched as `ringctl "
-       "judge` does.",
+       "When `ringctl up` saves the recordings of all nodes. crash: a daemon has crashed. break: a broken line was "
+       "located. promise: the ring has broken a promise; `ringctl up` then judges as `ringctl judge` does.",
        read_save},
       {"folder", "`~/.local/state/limb_ring`", kFolderRule,
-       "There each save is a folder, named by ring, date and reason. The default is $XDG_STATE_HOME/limb_ring where "
-       "that "
-       "is set.",
+       "Where the saves go. Each is a folder named by ring, date and reason. If XDG_STATE_HOME is set, the default is "
+       "$XDG_STATE_HOME/limb_ring.",
        [](const Entry& entry, RecorderSaves& saves) { saves.folder = entry.text(kFolderRule); }},
-      integer_option("keep", &RecorderSaves::keep, {1, 1000}, "So many saves of the ring are kept, the newest."),
+      integer_option("keep", &RecorderSaves::keep, {1, 1000}, "How many saves of the ring are kept, the newest."),
   };
   return section;
 }
@@ -50,9 +47,9 @@ std::string usual_folder() {
 const Section<RecorderConfig>& recorder_section() {
   static const Section<RecorderConfig> section = [] {
     Section<RecorderConfig> all{
-        flag_option("enabled", &RecorderConfig::enabled, "Record, on a live ring; as `ringctl up --record`."),
+        flag_option("enabled", &RecorderConfig::enabled, "Record on a live ring, as `ringctl up --record` does."),
         integer_option("size", &RecorderConfig::size, {1u << 20, 1u << 30},
-                       "Bytes of each node's file; the newest stays. It lies in the ring's folder."),
+                       "Bytes of each node's file in the ring's folder. The oldest records are overwritten."),
     };
     for (const Option<RecorderSaves>& option : saves_section())
       all.push_back({option.name, option.fallback, option.allowed, option.meaning,
@@ -75,7 +72,7 @@ RecorderSaves load_recorder_saves(const std::string& path, bool records) {
       if (const auto entry = recorder->find(option.name)) option.read(*entry, saves);
     if (!saves.when.empty() && !records)
       recorder->find("save")->refuse("nothing is recorded, so nothing can be saved",
-                                     "with enabled: true, or 'ringctl up --record'");
+                                     "save only with enabled: true, or 'ringctl up --record'");
   }
   const auto beside = std::filesystem::absolute(path).parent_path();
   saves.folder = saves.folder.empty() ? usual_folder() : (beside / saves.folder).lexically_normal().string();
@@ -94,7 +91,7 @@ constexpr const char* kControllers = "true (joint_commands), false, or a list of
 void check_topic(const Entry& entry, TopicConfig& topic) {
   if (topic.from == topic.to) entry.refuse("the topic goes from a node to itself", "two nodes, each with a bridge");
   if ((topic.size == 0) != (topic.rate == 0))
-    entry.refuse(topic.size == 0 ? "it has a rate and no size" : "it has a size and no rate",
+    entry.refuse(topic.size == 0 ? "the topic has a rate and no size" : "the topic has a size and no rate",
                  "size and rate, or neither of them");
 }
 
@@ -114,18 +111,19 @@ std::vector<std::string> read_controllers(const Entry& entry) {
 }
 
 Option<BridgeConfig> controllers_option() {
-  return {"lockstep", "false", kControllers,
-          "On a virtual ring: after joint_states its time stands until an answer, joint commands of that stamp or a "
-          "later one, has come on each topic, for `virtual: {stall}` of real time at most.",
-          [](const Entry& entry, BridgeConfig& bridge) { bridge.lockstep = read_controllers(entry); }};
+  return {
+      "lockstep", "false", kControllers,
+      "On a virtual ring: after each joint_states the ring's time stands until each of these topics has answered with "
+      "joint commands of that stamp or a later one, for at most `virtual: {stall}` of real time.",
+      [](const Entry& entry, BridgeConfig& bridge) { bridge.lockstep = read_controllers(entry); }};
 }
 
 Option<BridgeConfig> bridge_phase_option() {
   return {
       "phase", "none", allowed(kBridgePhases),
-      "joint_states go out so long after each multiple of their period on the clock. limb_firmware samples at the "
-      "multiples, so with enough of it each message holds the samples of its own period. none: periods count from the "
-      "bridge's start.",
+      "joint_states is sent this long after each multiple of its period on the clock. limb_firmware samples at the "
+      "multiples, so if the phase is long enough, each message has the samples of its own period. none: periods count "
+      "from the start of the bridge.",
       [](const Entry& entry, BridgeConfig& bridge) { bridge.phase = read_time(entry, kBridgePhases); }};
 }
 
@@ -137,9 +135,9 @@ const Section<BridgeConfig>& bridge_section() {
       bridge_phase_option(),
       flag_option(
           "broadcast_commands", &BridgeConfig::broadcast_commands,
-          "joint_commands for several nodes cross the ring in one broadcast rather than in a packet to each, so at "
-          "rates up to 1 kHz: a node has one packet under way at a time. The CPUs have to know command sets, as "
-          "limb_firmware does."),
+          "joint_commands for several nodes cross the ring as one broadcast, not as a packet to each. This allows up "
+          "to 1 kHz, because a node has only one packet under way at a time. The CPUs have to know command sets, as "
+          "limb_firmware and JointNode do."),
       list_option("topics", &BridgeConfig::topics, topic_section(), kMostTopics, check_topic,
                   "ROS topics that cross the ring unmodified, from one bridge to another."),
       controllers_option(),
@@ -150,18 +148,19 @@ const Section<BridgeConfig>& bridge_section() {
 const Section<TopicConfig>& topic_section() {
   static const Section<TopicConfig> section{
       name_option("input", &TopicConfig::input, is_topic_name, kTopicNameRule, kRequired,
-                  "The topic subscribed at `from`."),
+                  "The topic that the bridge of `from` subscribes to."),
       name_option("output", &TopicConfig::output, is_topic_name, kTopicNameRule, "as `input`",
-                  "The topic advertised at `to`."),
-      node_option("from", &TopicConfig::from, "The node whose bridge hears it. Not cpu: none."),
-      node_option("to", &TopicConfig::to, "The node whose bridge says it again. Not cpu: none."),
-      integer_option("priority", &TopicConfig::priority, {0, 3}, "Of its packets; 0 is the highest. Joint data has 0."),
+                  "The topic that the bridge of `to` publishes."),
+      node_option("from", &TopicConfig::from, "The node whose bridge subscribes to it. Not one with cpu: none."),
+      node_option("to", &TopicConfig::to, "The node whose bridge publishes it. Not one with cpu: none."),
+      integer_option("priority", &TopicConfig::priority, {0, 3},
+                     "Priority of its packets; 0 is the highest. Joint data has 0."),
       integer_option("queue", &TopicConfig::queue, {1, 1000},
-                     "Messages waiting to be sent; the oldest is dropped, counted."),
+                     "How many messages may wait to be sent. Then the oldest is dropped and counted."),
       integer_option("size", &TopicConfig::size, {0, kLargestMessage},
-                     "For `ring_sim plan` alone: bytes of a message. 0: not planned."),
+                     "Only for `ring_sim plan`: bytes of a message. 0: not planned."),
       real_option("rate", &TopicConfig::rate, {0, 100000, "Hz"},
-                  "For `ring_sim plan` alone: messages a second. 0: not planned."),
+                  "Only for `ring_sim plan`: messages a second. 0: not planned."),
       deadline_option<TopicConfig>(),
   };
   return section;
@@ -170,16 +169,18 @@ const Section<TopicConfig>& topic_section() {
 const Section<SupervisorConfig>& supervisor_section() {
   static const Section<SupervisorConfig> section{
       {"node", "the first whose cpu is attached, else the first", "id or name of a node",
-       "The one node that watches, by the others' beacons and its own CPU's word.",
+       "The node that watches, by the beacons of the others and the signs of life of its own CPU.",
        [](const Entry& entry, SupervisorConfig& supervisor) { supervisor.node = read_node(entry); }},
       choice_option("policy", &SupervisorConfig::policy, {"off", "report", "auto"},
-                    "off: nothing is watched. report: a hung CPU is logged and shown. auto: it is reset as well."),
+                    "off: nothing is watched. report: a hung CPU is logged and shown. auto: it is also reset."),
       time_option("grace", &SupervisorConfig::grace, 10ms, 600s,
-                  "A CPU is not judged for so long after its start; a reset that is not confirmed by then has failed."),
+                  "A CPU is not judged for this time after its start. A reset that is not confirmed within this time "
+                  "has failed."),
       integer_option("tries", &SupervisorConfig::tries, {1, 10}, "auto: resets in a row before a CPU is given up."),
-      time_option("backoff", &SupervisorConfig::backoff, 10ms, 600s,
-                  "auto: wait from one reset of a CPU to the next; it doubles, until the CPU has run for `grace` and "
-                  "this wait."),
+      time_option(
+          "backoff", &SupervisorConfig::backoff, 10ms, 600s,
+          "auto: wait from one reset of a CPU to the next. The wait doubles each time, until the CPU has run for "
+          "`grace` and this wait."),
   };
   return section;
 }
@@ -187,10 +188,10 @@ const Section<SupervisorConfig>& supervisor_section() {
 const Section<VirtualClockConfig>& virtual_clock_section() {
   static const Section<VirtualClockConfig> section{
       time_option("boot_time", &VirtualClockConfig::boot_time, 0ms, 60s,
-                  "From a CPU's start to its first turn, by the ring's clock, however long that really takes."),
+                  "From a CPU's start to its first turn, by the ring's clock, however long the start really takes."),
       time_option("stall", &VirtualClockConfig::stall, 10ms, 600s,
-                  "Real time: a CPU that has not ended its turn by then is stuck, and the ring goes on without it."),
-      integer_option("seed", &VirtualClockConfig::seed, {0, 1000000}, "Of the CPUs' jitter."),
+                  "Real time. A CPU that takes longer over its turn is stuck, and the ring goes on without it."),
+      integer_option("seed", &VirtualClockConfig::seed, {0, 1000000}, "Seed of the CPUs' jitter."),
   };
   return section;
 }

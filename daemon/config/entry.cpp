@@ -46,7 +46,7 @@ std::string Entry::text(const std::string& allowed) const {
 }
 
 std::vector<Entry> Entry::items(const std::string& allowed, std::size_t most) const {
-  if (!node_.IsSequence()) refuse(found() + " is no list", allowed);
+  if (!node_.IsSequence()) refuse(found() + " is not a list", allowed);
   if (node_.size() > most) refuse("a list of " + std::to_string(node_.size()) + " is too long", allowed);
   std::vector<Entry> all;
   for (const auto& item : node_) all.emplace_back(item, path_ + '[' + std::to_string(all.size()) + ']', *document_);
@@ -54,7 +54,7 @@ std::vector<Entry> Entry::items(const std::string& allowed, std::size_t most) co
 }
 
 std::vector<Member> Entry::members(const std::string& allowed) const {
-  if (!node_.IsMap()) refuse(found() + " is no map (name: value)", allowed);
+  if (!node_.IsMap()) refuse(found() + " is not a map (name: value)", allowed);
   std::vector<Member> all;
   std::set<std::string> names;
   for (const auto& pair : node_) {
@@ -307,7 +307,8 @@ std::uint8_t read_node(const Entry& entry, const std::string& also) {
   if (found != nodes.end()) return found->second;
   if (entry.document().nodes_unsure) throw ConfigError("");
   const std::string meant = closest(text, names);
-  entry.refuse_value(meant.empty() ? "is no node of it" : "is no node of it, did you mean '" + meant + "'?", rule);
+  entry.refuse_value(
+      meant.empty() ? "is not a node of this ring" : "is not a node of this ring, did you mean '" + meant + "'?", rule);
 }
 
 }  // namespace limb_ring::config

@@ -74,25 +74,27 @@ std::string write_time(const Fault& fault) {
 std::string write_rate(const Fault& fault) { return fault.rate == 0 ? "" : config::format_rate(fault.rate); }
 
 const Row kRows[] = {
-    {{kPackets, "packets", kCount, "hits so many packets, then ends"},
+    {{kPackets, "packets", kCount, "ends after this number of packets"},
      read_count<&Fault::packets>,
      write_count<&Fault::packets>},
-    {{kOnceIn, "once_in", kCount, "hits each packet by chance, one in so many"},
+    {{kOnceIn, "once_in", kCount, "affects each packet with a probability of 1 in this number"},
      read_count<&Fault::once_in>,
      write_count<&Fault::once_in>},
-    {{kDelay, "delay", kTime, "each packet comes so much later"}, read_time<&Fault::delay>, write_time<&Fault::delay>},
-    {{kJitter, "jitter", kTime, "each packet comes later at random, by up to so much"},
+    {{kDelay, "delay", kTime, "each packet arrives this much later"},
+     read_time<&Fault::delay>,
+     write_time<&Fault::delay>},
+    {{kJitter, "jitter", kTime, "each packet arrives later by a random time, at most this"},
      read_time<&Fault::jitter>,
      write_time<&Fault::jitter>},
     {{kRate, "rate", kRateRule, "the data rate"}, read_rate, write_rate},
-    {{kEvery, "every", kTime, "how long a period is"}, read_time<&Fault::every>, write_time<&Fault::every>},
-    {{kFor, "for", kTime, "ends by itself after so long"}, read_time<&Fault::lasts>, write_time<&Fault::lasts>},
-    {{kAfter, "after", kTime, "starts so much later"}, read_time<&Fault::after>, write_time<&Fault::after>},
+    {{kEvery, "every", kTime, "the length of a period"}, read_time<&Fault::every>, write_time<&Fault::every>},
+    {{kFor, "for", kTime, "ends by itself after this time"}, read_time<&Fault::lasts>, write_time<&Fault::lasts>},
+    {{kAfter, "after", kTime, "starts after this time"}, read_time<&Fault::after>, write_time<&Fault::after>},
     {{kAfterPackets, "after_packets", kCount,
-      "starts when so many data packets of the node given by `of` have passed the line"},
+      "starts after this number of data packets from the node `of` have passed the line"},
      read_count<&Fault::after_packets>,
      write_count<&Fault::after_packets>},
-    {{kSeed, "seed", "a whole number from 1", "of what is random in it; drawn, and printed, where it is not given"},
+    {{kSeed, "seed", "a whole number, 1 or more", "of the random choices; by default one is drawn and printed"},
      read_seed,
      write_count<&Fault::seed>},
 };
@@ -122,7 +124,7 @@ std::size_t place_of(const std::string& name, const RingNodes& nodes) {
     if (nodes[i].name == name || nodes[i].number == name) return i;
     names.push_back(nodes[i].name);
   }
-  throw ParseError(with_guess("is no node of the ring", name, names), config::join(names));
+  throw ParseError(with_guess("is not a node of the ring", name, names), config::join(names));
 }
 
 bool is_node(const std::string& name, const RingNodes& nodes) {
@@ -141,7 +143,8 @@ std::string key_taking(const std::string& value, const Word& word) {
 /// The node's name. @throw ParseError
 const std::string& name_of(NodeId id, const RingNodes& nodes) {
   const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const NamedNode& node) { return node.id == id; });
-  if (found == nodes.end()) throw ParseError("node " + std::to_string(id) + " is none of the ring", "its nodes");
+  if (found == nodes.end())
+    throw ParseError("node " + std::to_string(id) + " is not in the ring", "a node of the ring");
   return found->name;
 }
 
@@ -152,7 +155,7 @@ std::size_t end_of_line(std::size_t place, bool second, const RingNodes& nodes) 
 
 const Word& read_word(const std::string& text) {
   if (const Word* word = find_word(text)) return *word;
-  throw ParseError(text.empty() ? "no fault is named" : with_guess("is no fault", text, words()),
+  throw ParseError(text.empty() ? "no fault is named" : with_guess("is not a fault", text, words()),
                    config::join(words()));
 }
 
@@ -208,7 +211,7 @@ void set_key(Fault& fault, const std::string& key, const std::string& value, con
                                 [&](const Row& r) { return key == r.key.word && (word.keys & r.key.key) != 0; });
   const std::vector<std::string> known = key_words(word);
   if (row == std::end(kRows))
-    throw ParseError(with_guess(std::string("is nothing that ") + word.word + " takes", key, known),
+    throw ParseError(with_guess(std::string("is not a parameter of ") + word.word, key, known),
                      known.empty() ? "nothing" : config::join(known));
   if (!row->read(fault, value))
     throw ParseError(quoted(shown(value), "is not allowed for '" + key + "'"), row->key.allowed);
@@ -232,8 +235,8 @@ void set_line(Fault& fault, const std::string& before, const std::string& behind
   const std::size_t from = place_of(before, nodes), to = place_of(behind, nodes);
   const std::size_t next = end_of_line(from, false, nodes), previous = end_of_line(from, true, nodes);
   if (to != next && to != previous)
-    throw ParseError(quoted(before + " -> " + behind, "is no line of the ring"),
-                     "a line from a node to the next: " + nodes[from].name + " -> " + nodes[next].name +
+    throw ParseError(quoted(before + " -> " + behind, "is not a line of the ring"),
+                     "a line from one node to the next: " + nodes[from].name + " -> " + nodes[next].name +
                          "; where the ring folds back, its second line: " + nodes[from].name + " -> " +
                          nodes[previous].name);
   fault.nodes = {nodes[from].id};
@@ -244,7 +247,7 @@ void check_second_line(const Fault& fault, bool folds_back, const RingNodes& nod
   if (!fault.second_line || folds_back) return;
   Fault first = fault;
   first.second_line = false;
-  throw ParseError(quoted(to_words(fault, nodes), "is of a second line, which this ring has not"),
+  throw ParseError(quoted(to_words(fault, nodes), "is on a second line, which this ring does not have"),
                    "a line in ring order: " + to_words(first, nodes) + "; or redundancy: foldback");
 }
 
@@ -284,7 +287,7 @@ void set_line_in(Fault& fault, const std::vector<std::string>& who, const RingNo
     if (behind.size() > 1) refuse_bare(behind[1], word);
     return set_line(fault, first_of(before), first_of(behind), nodes);
   }
-  throw ParseError(needs(word, "a line"), "A -> B, a node and the next one (or A:B, which no shell takes for itself)");
+  throw ParseError(needs(word, "a line"), "A -> B, a node and the next one (or A:B, which needs no quotes in a shell)");
 }
 
 void set_place(Fault& fault, const std::vector<std::string>& who, const RingNodes& nodes) {

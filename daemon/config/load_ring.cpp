@@ -246,13 +246,13 @@ void check_supervisor(const Entry& file, const RingConfig& ring, Problems& probl
 
 std::string beyond_this_host(const NodeConfig& node) {
   return "the line into node '" + node.name + "' comes by UDP to " + node.link.address +
-         ", beyond this host, and is not keyed";
+         ", beyond this host, and has no key";
 }
 
 /// Whoever can send a datagram there could otherwise command the joints.
 void check_keys(const Entry& file, const RingConfig& ring, Problems& problems) {
   if (!ring.links.key.empty() && ring.links.insecure)
-    file.find("links")->find("insecure")->note(problems, "is true, and there is a key", "one of the two");
+    file.find("links")->find("insecure")->note(problems, "is true, and a key is given", "one of the two");
   if (!ring.links.key.empty() || ring.links.insecure) return;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)
     if (hears_other_hosts(ring, ring.nodes[n]))
@@ -276,8 +276,8 @@ void check_expected(const Entry& file, const RingConfig& ring, Problems& problem
 }  // namespace
 
 const char* const kKeyOrInsecure =
-    "links: {key: FILE}, of 'ringctl hosts key FILE', the same on all hosts; or links: {insecure: true}, in so many "
-    "words, where whoever is on that network may command the robot";
+    "links: {key: FILE}, where 'ringctl hosts key FILE' makes the file and all hosts have it; or links: {insecure: "
+    "true}, if anyone on that network may command the robot";
 
 std::string unkeyed_line(const RingConfig& ring) {
   if (!ring.links.key.empty() || ring.links.insecure) return {};
@@ -315,7 +315,7 @@ void check_reachable(const Entry& file, const RingConfig& ring) {
     if (is_loopback(ring.hosts[i].address) == is_loopback(ring.hosts[0].address)) continue;
     const HostConfig& inside = is_loopback(ring.hosts[i].address) ? ring.hosts[i] : ring.hosts[0];
     items[i].find("address")->refuse(
-        "'" + inside.address + "' of host '" + inside.name + "' is reached from that machine alone",
+        "'" + inside.address + "' of host '" + inside.name + "' can be reached only from that machine",
         "loopback addresses for all hosts (to try it out on one machine) or for none");
   }
 }

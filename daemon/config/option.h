@@ -79,7 +79,7 @@ template <typename T>
 Option<T> deadline_option() {
   const TimeRange range{std::chrono::microseconds(1), std::chrono::seconds(3600), std::chrono::nanoseconds(1)};
   return {"deadline", "its period", allowed(range),
-          "For `ring_sim plan` alone: a message that may be delivered later than so long after it was asked for is "
+          "Only for `ring_sim plan`: a message that may take longer than this, from its send to its delivery, is "
           "late, and the plan fails.",
           [=](const Entry& entry, T& object) { object.deadline = read_time(entry, range); }};
 }

@@ -204,7 +204,7 @@ NodeConfig plain_node(std::uint8_t id, const LinkConfig& links) {
 }  // namespace
 
 RingConfig plain_ring(const std::string& ring, unsigned nodes) {
-  if (!is_ring_name(ring)) throw ConfigError("ring: '" + ring + "' is no ring name; allowed: " + kRingNameRule);
+  if (!is_ring_name(ring)) throw ConfigError("ring: '" + ring + "' is not a ring name; allowed: " + kRingNameRule);
   if (nodes < kFewestNodes || nodes > kMostNodes)
     throw ConfigError("nodes: '" + std::to_string(nodes) + "' is out of range; allowed: 2 to 255");
   RingConfig config;
@@ -232,7 +232,7 @@ void apply_one_host(RingConfig& ring) {
 }
 
 void rename_ring(RingConfig& ring, const std::string& name) {
-  if (!is_ring_name(name)) throw ConfigError("ring: '" + name + "' is no ring name; allowed: " + kRingNameRule);
+  if (!is_ring_name(name)) throw ConfigError("ring: '" + name + "' is not a ring name; allowed: " + kRingNameRule);
   const std::uint16_t before = default_first_port(ring.ring);
   const std::uint16_t after = default_first_port(name);
   ring.ring = name;

@@ -25,9 +25,9 @@ void read_into_roster(const Entry& item) {
   node.name = "node" + std::to_string(node.id);
   if (name) name_option.read(*name, node);
   if (!nodes.emplace(std::to_string(node.id), node.id).second)
-    id->refuse_value("is another node's id", "ids 0 to 254, each once");
+    id->refuse_value("is the id of another node", "ids 0 to 254, each once");
   if (!nodes.emplace(node.name, node.id).second)
-    (name ? *name : item).refuse("'" + node.name + "' is another node's name", "each name once");
+    (name ? *name : item).refuse("'" + node.name + "' is the name of another node", "each name once");
 }
 
 /// Ids and names of all nodes, before anything that may refer to them is read.
@@ -86,7 +86,7 @@ void read_nodes(const Entry& entry, RingConfig& ring) {
 void read_timeouts(const Entry& entry, RingConfig& ring) {
   if (entry.is_map())
     if (const auto bypass = entry.find("bypass"))
-      bypass->refuse("is three entries now", "first_successor, break_grace, fold_permission");
+      bypass->refuse("has been replaced by three entries", "first_successor, break_grace, fold_permission");
   read_section(entry, timeouts_section(), ring.timeouts);
 }
 
@@ -97,33 +97,32 @@ void read_timeouts(const Entry& entry, RingConfig& ring) {
 const Section<RingConfig>& ring_section() {
   static const Section<RingConfig> section{
       name_option("ring", &RingConfig::ring, is_ring_name, kRingNameRule, kRequired,
-                  "Name of the ring, by which programs find it."),
+                  "Name of the ring. Programs find the ring by it."),
       choice_option("redundancy", &RingConfig::redundancy, {"none", "foldback"},
-                    "foldback: a second line, against the ring, closes it again around a break. With udp a node "
-                    "listens there at its port + 256."),
+                    "foldback: a second, counter-rotating line closes the ring again around a break. With udp a node "
+                    "listens for it at its port + 256."),
       section_option("limits", &RingConfig::limits, limits_section(), "Sizes of the queues."),
       {"timeouts", "{}", "a map, see below", "Waits and periods.", read_timeouts},
-      section_option("links", &RingConfig::links, links_section(),
-                     "What every node's link has unless it says otherwise."),
+      section_option("links", &RingConfig::links, links_section(), "Defaults for the links of all nodes."),
       section_option("firmware", &RingConfig::firmware, firmware_section(),
-                     "The limb nodes' program and its simulated servos."),
+                     "The program limb_firmware and its simulated servos."),
       section_option("realtime", &RingConfig::realtime, realtime_section(),
-                     "What the daemons ask of the kernel; where refused they say so and go on."),
+                     "What the daemons ask of the kernel. If it refuses, they say so and go on."),
       {"urdf", "none", "a path, from the folder of this file, or absolute, or package://PACKAGE/PATH",
-       "A URDF, from which the joints have their `type` and limits (`lower`, `upper`, `velocity`, `effort`), by their "
-       "names. A limit that is given here as well is as it is here. A velocity or an effort that is 0 or missing there "
-       "is unknown: it has its default, and a warning names all such joints. A continuous joint, as of a wheel, needs "
-       "no limits; limb_firmware stops it at 2147 rad. A mimic joint has no motor and belongs to no node: joint_states "
-       "have it beside the joint that it follows.",
+       "A URDF. It gives the joints, by their names, their `type` and limits (`lower`, `upper`, `velocity`, "
+       "`effort`). A limit in this file overrides it. A velocity or an effort that is 0 or missing in the URDF is "
+       "unknown: the joint gets the default, and one warning names all such joints. A continuous joint, as of a "
+       "wheel, needs no limits; limb_firmware stops it at 2147 rad. A mimic joint has no motor and belongs to no "
+       "node: joint_states shows it following its joint.",
        [](const Entry& entry, RingConfig&) { read_urdf(entry); }},
       hosts_option(),
       section_option("recorder", &RingConfig::recorder, recorder_section(),
-                     "Each node writes down what goes into its network controller and what comes out, for `ringctl "
+                     "Each node records what goes into its network controller and what comes out, for `ringctl "
                      "record check`."),
       {"nodes", kRequired, "a list of 2 to 255 maps, see below",
-       "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
+       "The nodes in ring order. Each sends to the next, and the last to the first.", read_nodes},
       section_option("supervisor", &RingConfig::supervisor, supervisor_section(),
-                     "Who watches the CPUs that have an `alive_period`, and what is done about a hung one."),
+                     "Which node watches the CPUs that have an `alive_period`, and what it does if one hangs."),
       section_option("virtual", &RingConfig::virtual_clock, virtual_clock_section(),
                      "The ring on a virtual clock (ringctl up --clock virtual)."),
       section_option("bridge", &RingConfig::bridge, bridge_section(), "The ROS side of the ring."),
@@ -213,17 +212,17 @@ Option<SensorConfig> sensor_topic_option() {
 
 Option<NodeConfig> id_option() {
   Option<NodeConfig> id =
-      integer_option("id", &NodeConfig::id, {0, 254}, "Source and destination id of the node; its own.");
+      integer_option("id", &NodeConfig::id, {0, 254}, "Source and destination id of the node. Each node has its own.");
   id.fallback = kRequired;
   return id;
 }
 
 /// The defaults of the joint's other entries depend on it.
 Option<JointConfig> joint_type_option() {
-  auto option =
-      choice_option("type", &JointConfig::type, {"revolute", "continuous", "prismatic"},
-                    "revolute turns, continuous without end: in rad, rad/s and N m. prismatic slides: in m, "
-                    "m/s and N, by default from -1 to 1 m, at 1 m/s, with 500 N. With a `urdf` it is as there.");
+  auto option = choice_option(
+      "type", &JointConfig::type, {"revolute", "continuous", "prismatic"},
+      "revolute turns, and continuous turns without end: in rad, rad/s and N m. prismatic slides: "
+      "in m, m/s and N, by default from -1 to 1 m, at 1 m/s, with 500 N. With a `urdf`, the URDF gives it.");
   option.read = [read = option.read](const Entry& entry, JointConfig& joint) {
     const auto there = joint.type;
     read(entry, joint);
@@ -237,7 +236,7 @@ Option<JointConfig> joint_type_option() {
 /// With the name it is known what a URDF says of it, as the defaults of the joint's other entries.
 Option<JointConfig> joint_name_option() {
   auto option = name_option("name", &JointConfig::name, is_joint_name, kJointNameRule, kRequired,
-                            "As in JointState messages, and in the `urdf`; each name once in a ring.");
+                            "The name in JointState messages and in the `urdf`. Each name once in a ring.");
   option.read = [read_name = option.read](const Entry& entry, JointConfig& joint) {
     read_name(entry, joint);
     take_urdf_limits(entry, joint);
@@ -250,21 +249,21 @@ Option<JointConfig> joint_name_option() {
 const Section<NodeConfig>& node_section() {
   static const Section<NodeConfig> section{
       id_option(),
-      name_option("name", &NodeConfig::name, is_node_name, kNodeNameRule, "node and the id",
-                  "What people call the node; its own."),
-      {"host", "the first of `hosts`", "name of a host", "The machine that runs it.",
+      name_option("name", &NodeConfig::name, is_node_name, kNodeNameRule, "`node` and the id",
+                  "Name of the node. Each node has its own."),
+      {"host", "the first of `hosts`", "name of a host", "The machine that runs the node.",
        [](const Entry& entry, NodeConfig& node) { node.host = read_host(entry); }},
       choice_option(
           "controller", &NodeConfig::controller, {"ringd", "foreign"},
-          "foreign: the node is not ours, such as a board. `ringctl up` starts the others; 'ringctl wait up' waits "
-          "for it, too. The links beside it are udp or unix."),
+          "foreign: a network controller that is not ringd, such as a board. `ringctl up` starts only the other nodes; "
+          "`ringctl wait up` also waits for this one. The links on both sides of it have to be udp or unix."),
       {"library", "none", kFileRule,
-       "Of a foreign node on a virtual ring: its code, a shared library with three functions, as 'ringctl conform "
-       "--library' takes it. Without one, a node of ours stands in for it there.",
+       "Of a foreign node on a virtual ring: its code, a shared library with three functions, as `ringctl conform "
+       "--library` takes it. Without one, a node of limb_ring stands in for it there.",
        [](const Entry& entry, NodeConfig& node) { node.library = read_file_beside(entry, kFileRule); }},
       {"cpu", "none", kAllowedCpus,
-       "none: a built-in sink that counts. attached: an outside process connects, such as the "
-       "bridge. command: ringd starts it.",
+       "none: packets are counted and thrown away. attached: a program connects by itself, such as "
+       "ring_bridge. command: ringd starts the program.",
        read_cpu},
       list_option("joints", &NodeConfig::joints, joint_section(), kMostJoints, complete_joint,
                   "The joints that this node drives. They need a cpu."),
@@ -276,11 +275,12 @@ const Section<NodeConfig>& node_section() {
       {"inputs", "{}", "a map, see below", "Where interrupt inputs lead (a button, a watchdog, a tool).",
        [](const Entry& entry, NodeConfig& node) { read_section(entry, inputs_section(), node); }},
       {"receive_buffers", "as in `limits`", allowed(kReceiveBuffers),
-       "Packets that may wait for this node's CPU, per priority: more for one that many send to.",
+       "How many packets may wait for this node's CPU, per priority. Give more to a node that many send to.",
        [](const Entry& entry, NodeConfig& node) {
          node.receive_buffers = static_cast<unsigned>(read_integer(entry, kReceiveBuffers));
        }},
-      section_option("link", &NodeConfig::link, link_section(), "The link into this node, from whoever is upstream."),
+      section_option("link", &NodeConfig::link, link_section(),
+                     "The link into this node, from its upstream neighbour."),
   };
   return section;
 }
@@ -288,21 +288,24 @@ const Section<NodeConfig>& node_section() {
 const Section<CpuConfig>& cpu_section() {
   static const Section<CpuConfig> section{
       {"command", "required, or `attached: true`", kAllowedCommands,
-       "The program is looked for beside ringd, then on PATH; with a '/' in it, from the folder in which the ring is "
-       "started (by roslaunch: `~/.ros`). [rosrun, PACKAGE, PROGRAM] finds that of a ROS package. It dies with ringd.",
+       "The program is looked for beside ringd, then on PATH. A relative path with a '/' starts at the folder in which "
+       "the ring is started (by roslaunch: `~/.ros`). [rosrun, PACKAGE, PROGRAM] is the program of a ROS package. The "
+       "program is killed when ringd ends.",
        [](const Entry& entry, CpuConfig& cpu) { cpu.command = read_command(entry); }},
-      {"attached", "false", "true, false", "Instead of `command`: as `cpu: attached`.",
+      {"attached", "false", "true, false", "Instead of `command`: the same as `cpu: attached`.",
        [](const Entry& entry, CpuConfig& cpu) {
          if (read_flag(entry)) cpu.kind = CpuConfig::Kind::attached;
        }},
-      flag_option("restart_on_exit", &CpuConfig::restart_on_exit, "Start it again when it ends by itself."),
+      flag_option("restart_on_exit", &CpuConfig::restart_on_exit, "Start the program again when it ends by itself."),
       time_option("alive_period", &CpuConfig::alive_period, 0ms, 60s,
-                  "It says something to ringd at least so often (limb_firmware keeps to it); silent for three of "
-                  "these, or of those it promised itself if longer, it is hung. 0s: not watched by the supervisor."),
+                  "The CPU talks to ringd at least this often, as limb_firmware does. It is hung when it has been "
+                  "silent for three of these periods, or three of the period that it promised itself if that is "
+                  "longer. 0s: the supervisor does not watch it."),
       time_option("turnaround", &CpuConfig::turnaround, 0ns, 1s,
-                  "On a virtual ring: what it sends in a turn enters the node so long after the turn began."),
-      time_option("jitter", &CpuConfig::jitter, 0ns, 1s,
-                  "On a virtual ring: and up to so much later, drawn for each turn, by `virtual: {seed}`."),
+                  "On a virtual ring: what the CPU sends in a turn enters the node this long after the turn began."),
+      time_option(
+          "jitter", &CpuConfig::jitter, 0ns, 1s,
+          "On a virtual ring: added to `turnaround`, up to this much, drawn for each turn by `virtual: {seed}`."),
   };
   return section;
 }
@@ -310,7 +313,7 @@ const Section<CpuConfig>& cpu_section() {
 const Section<JointConfig>& joint_section() {
   Option<JointConfig> initial =
       real_option("initial", &JointConfig::initial, kPositions, "Position when the firmware starts.");
-  initial.fallback = "what is nearest to 0 within the limits";
+  initial.fallback = "the position nearest to 0 within the limits";
   static const Section<JointConfig> section{
       joint_name_option(),
       joint_type_option(),
@@ -320,7 +323,7 @@ const Section<JointConfig>& joint_section() {
       real_option("effort", &JointConfig::effort, kEfforts, "Limit of the torque or force, both ways."),
       initial,
       choice_option("safe", &JointConfig::safe, {"hold", "damp"},
-                    "Safe state: hold the position, or let go with damping."),
+                    "Safe state: hold the position, or no torque and only damping."),
   };
   return section;
 }
@@ -328,20 +331,20 @@ const Section<JointConfig>& joint_section() {
 const Section<SensorConfig>& sensor_section() {
   static const Section<SensorConfig> section{
       name_option("name", &SensorConfig::name, is_sensor_name, kSensorNameRule, kRequired,
-                  "Its topic is sensors/NAME; each name once in a ring."),
+                  "The topic is sensors/NAME. Each name once in a ring."),
       choice_option("kind", &SensorConfig::kind, {"imu", "force"},
-                    "imu: acceleration and turn rate. force: contact force."),
-      real_option("rate", &SensorConfig::rate, {0.1, 1000, "Hz"}, "How often it is sent."),
-      integer_option("priority", &SensorConfig::priority, {0, 3}, "Of its packets; 0 is the highest."),
+                    "imu: acceleration and turn rate. force: force and torque."),
+      real_option("rate", &SensorConfig::rate, {0.1, 1000, "Hz"}, "How often a reading is sent."),
+      integer_option("priority", &SensorConfig::priority, {0, 3}, "Priority of its packets; 0 is the highest."),
       csv_option(),
+      sensor_topic_option(),
   };
   return section;
 }
 
 namespace {
-sensor_topic_option(),
 
-    using Action = PinConfig::Action;
+using Action = PinConfig::Action;
 
 const char* const kAllowedPins = "none, reset, stop, notify, sync, {signal: NAME} or {exec: [PROGRAM, ARGUMENT, ...]}";
 
@@ -383,7 +386,7 @@ PinConfig read_pin(const Entry& entry) {
   if (entry.is_map()) return read_pin_map(entry);
   constexpr std::array<Action, 5> actions{Action::none, Action::reset, Action::stop, Action::notify, Action::sync};
   const std::string text = entry.text(kAllowedPins);
-  if (text == "signal" || text == "exec") entry.refuse_value("says not which", kAllowedPins);
+  if (text == "signal" || text == "exec") entry.refuse_value("needs a value", kAllowedPins);
   PinConfig pin;
   pin.action = actions[read_choice(entry, {"none", "reset", "stop", "notify", "sync"})];
   return pin;
@@ -437,8 +440,8 @@ const Section<NodeConfig>& inputs_section() {
 
 const Section<InputConfig>& input_section() {
   static const Section<InputConfig> section = [] {
-    Option<InputConfig> factor =
-        integer_option("factor", &InputConfig::factor, {0, 7}, "The pin pulled there. Not a reset of all nodes.");
+    Option<InputConfig> factor = integer_option("factor", &InputConfig::factor, {0, 7},
+                                                "The pin that is pulled there. A broadcast must not reset all nodes.");
     factor.fallback = kRequired;
     return Section<InputConfig>{
         {"to", kRequired, "id or name of a node, or all", "The destination of the INTP.", read_input_target}, factor};

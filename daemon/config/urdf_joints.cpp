@@ -23,7 +23,7 @@ std::string other_format(const std::string& root) {
            "converts it";
   if (root == "launch")
     return "is a launch file, not a URDF. 'rosparam get /robot_description > robot.urdf' saves the URDF it loads";
-  return "is no URDF: its root is <" + root + ">; allowed: <robot>";
+  return "is not a URDF: its root is <" + root + ">; allowed: <robot>";
 }
 
 bool is_unexpanded(const std::string& text) {
@@ -138,7 +138,7 @@ class UrdfReader {
       const auto found = urdf_.joints.find(leader->mimic->joint);
       if (found == urdf_.joints.end() || !found->second.moves())
         refuse(joint.line, "joint '" + name + "' mimics '" + leader->mimic->joint +
-                               "', which is no joint that moves; allowed: the name of one");
+                               "', which is not a joint that moves; allowed: the name of one");
       if (steps == urdf_.joints.size())
         refuse(joint.line, "joint '" + name + "' mimics itself by way of others; allowed: a joint with a motor");
       leader = &found->second;

@@ -27,7 +27,7 @@ config::RingConfig ring_of(const Entry& file) {
   const auto path = file.find("ring"), nodes = file.find("nodes");
   if (path.has_value() == nodes.has_value())
     file.refuse(path ? "ring and nodes are both given" : "neither ring nor nodes is given",
-                "ring: the YAML file of a ring, beside this file; or nodes: 2 to 255 plain ones");
+                "ring: the YAML file of a ring; or nodes: 2 to 255, for plain nodes");
   if (nodes) {
     config::RingConfig ring = config::plain_ring(
         "plain", static_cast<unsigned>(read_integer(*nodes, {config::kFewestNodes, config::kMostNodes})));
@@ -35,12 +35,13 @@ config::RingConfig ring_of(const Entry& file) {
     return ring;
   }
   if (const auto redundancy = file.find("redundancy"))
-    redundancy->refuse("the ring's file says that", "nodes beside it");
+    redundancy->refuse("the ring's file gives the redundancy", "redundancy only beside nodes");
   const std::filesystem::path beside = std::filesystem::path(file.document().name).parent_path();
   const std::string ring = (beside / path->text("a file")).lexically_normal().string();
   std::error_code error;
   if (!std::filesystem::is_regular_file(ring, error))
-    path->refuse_value("is no file: there is no " + ring, "the YAML file of a ring, looked for beside this file");
+    path->refuse_value("does not exist: there is no file " + ring,
+                       "the YAML file of a ring; its path from the folder of this file");
   return config::load_ring(ring);
 }
 
@@ -65,7 +66,7 @@ void check_condition(const Entry& condition, const std::vector<std::string>& nam
   for (const char* key : {"results", "taken", "latency"}) {
     const auto name = condition.find(key);
     if (name && std::find(names.begin(), names.end(), name->text(kNameRule)) == names.end())
-      name->refuse_value("is none", std::string(kNameRule) + " (" + config::join(names) + ")");
+      name->refuse_value("is not a send", std::string(kNameRule) + " (" + config::join(names) + ")");
   }
 }
 
@@ -74,9 +75,10 @@ void check_line(const Entry& entry, const Step& step, const config::RingConfig& 
   const auto* action = std::get_if<SoakAction>(&step.action);
   if (ring.folds_back()) return;
   if (action && (action->kind == SoakAction::Kind::cut_cable || action->kind == SoakAction::Kind::mend_cable))
-    entry.find("do")->refuse("only a ring that folds back has cables of two lines", "redundancy: foldback, or wire");
+    entry.find("do")->refuse("only a ring that folds back has cables with two lines",
+                             "redundancy: foldback, or the fault of a wire");
   if ((fault && fault->second_line) || (action && action->second_line))
-    entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
+    entry.find("do")->refuse("that is the second line of a ring that folds back", "a line in ring order");
 }
 
 /// An input that is wired to nothing sends nothing.
@@ -95,9 +97,9 @@ void check_input(const Entry& entry, const Step& step, const config::RingConfig&
 void check_world(const Entry& entry, const Step& step, World world) {
   const auto* fault = std::get_if<fault::Fault>(&step.action);
   if (world == World::soak && fault && !SoakStage::can(*fault))
-    entry.find("do")->refuse("CPUs of the soak's world are no programs", "reset, not_reading and resume of them");
+    entry.find("do")->refuse("in the world soak CPUs are not programs", "reset, not_reading and resume of a CPU");
   if (world != World::soak && std::holds_alternative<SoakAction>(step.action))
-    entry.find("do")->refuse("only the soak's world has that", "world: soak");
+    entry.find("do")->refuse("only the world soak has that", "world: soak");
 }
 
 /// What `rate` may be: in the soak's world lines may take no time.
@@ -109,7 +111,8 @@ std::uint64_t rate_of(const Entry& entry, World world) {
 void check_scenario(const Entry& file, const Scenario& scenario) {
   const std::vector<std::string> names = send_names(scenario);
   config::Problems problems;
-  if (names.size() > kMostNames) file.note(problems, "it has too many sends", std::to_string(kMostNames) + " names");
+  if (names.size() > kMostNames)
+    file.note(problems, "the scenario has too many sends", std::to_string(kMostNames) + " names");
   for (const char* list : {"always", "never"})
     if (const auto conditions = file.find(list))
       for (const Entry& condition : conditions->items("")) problems.gather([&] { check_condition(condition, names); });
@@ -154,7 +157,7 @@ void read_ring(const Entry& file, Scenario& scenario) {
   scenario.ring = ring_of(file);
   if (const auto world = file.find("world")) scenario.world = read_world(*world);
   if (scenario.world == World::soak && file.find("ring"))
-    file.find("ring")->refuse("the soak's world has plain nodes", "nodes instead");
+    file.find("ring")->refuse("the world soak has plain nodes", "nodes instead of ring");
   learn_nodes(file.document(), scenario.ring);
   std::uint64_t rate = sim::kUsualRate;
   nanoseconds delay = sim::kUsualRelayDelay;
@@ -203,8 +206,8 @@ Option<Scenario> read_already(const char* name, const char* allowed, const char*
 
 std::string read_title(const Entry& entry) {
   const std::string title = entry.text(kTitleRule);
-  if (!config::is_plain_text(title)) entry.refuse("it has bytes that are not plain text", kTitleRule);
-  if (title.empty() || title.size() > 100) entry.refuse_value("is not one", kTitleRule);
+  if (!config::is_plain_text(title)) entry.refuse("the title has bytes that are not plain text", kTitleRule);
+  if (title.empty() || title.size() > 100) entry.refuse_value("is not a title", kTitleRule);
   return title;
 }
 
@@ -219,7 +222,8 @@ Option<Scenario> conditions_option(const char* name, std::vector<Condition> Scen
 
 void check_step(const Entry& entry, const Step& step) {
   if (step.at && step.after) entry.refuse("at and after are both given", "one of them");
-  if (entry.find("within") && !step.when) entry.find("within")->refuse("there is no when", "within beside when");
+  if (entry.find("within") && !step.when)
+    entry.find("within")->refuse("the step has no when", "within only beside when");
   if (step.when && !entry.find("within")) entry.refuse("'within' is missing", "within beside when");
 }
 
@@ -232,7 +236,7 @@ Option<Step> time_of_step(const char* name, std::optional<nanoseconds> Step::*me
 
 std::uint64_t read_line_rate(const Entry& entry) {
   const std::uint64_t rate = read_rate(entry);
-  if (rate == 0) entry.refuse_value("takes no time", "a rate: under a virtual clock lines have one");
+  if (rate == 0) entry.refuse_value("is not possible here", "a rate, because lines under a virtual clock have one");
   return rate;
 }
 
@@ -273,39 +277,38 @@ Located read_line(const Entry& entry) {
   const auto& nodes = entry.document().nodes;
   const auto before = nodes.find(text.substr(0, arrow));
   const auto behind = arrow == std::string::npos ? nodes.end() : nodes.find(text.substr(arrow + 4));
-  if (before == nodes.end() || behind == nodes.end()) entry.refuse_value("is no line", kLineRule);
+  if (before == nodes.end() || behind == nodes.end()) entry.refuse_value("is not a line", kLineRule);
   return {NodeId{before->second}, NodeId{behind->second}};
 }
 
 const Section<Scenario>& scenario_section() {
   static const Section<Scenario> section{
-      {"scenario", config::kRequired, kTitleRule, "What it is about.",
+      {"scenario", config::kRequired, kTitleRule, "The title of the scenario.",
        [](const Entry& entry, Scenario& scenario) { scenario.name = read_title(entry); }},
-      read_already("ring", "a file", "The YAML file of the ring, looked for beside this file."),
-      read_already("nodes", "2 to 255", "Instead of `ring`: so many plain nodes, node0 and so on."),
-      read_already("rate", config::kAllowedRates, "Of lines that the ring's file gives none."),
-      read_already("relay_delay", "a time", "Of lines that the ring's file gives no rate."),
-      read_already("redundancy", "none, foldback", "Beside `nodes`: foldback is a second line, against the ring."),
-      read_already(
-          "world", "usual, soak",
-          "soak: as `ring_sim soak` has it, with short times and few buffers; at its end all is mended, and the "
-          "ring has to be whole again."),
-      {"seed", "1", "a whole number", "Decides everything random.",
+      read_already("ring", "a file", "The YAML file of the ring. Its path starts at the folder of this file."),
+      read_already("nodes", "2 to 255", "Instead of `ring`: the number of plain nodes node0, node1 and so on."),
+      read_already("rate", config::kAllowedRates, "Data rate of lines for which the ring's file gives none."),
+      read_already("relay_delay", "a time", "Relay delay at lines for which the ring's file gives no rate."),
+      read_already("redundancy", "none, foldback", "Only beside `nodes`. foldback: a second, counter-rotating line."),
+      read_already("world", "usual, soak",
+                   "soak: the rings of `ring_sim soak`, with short times and few buffers. At the end all faults are "
+                   "ended, and the ring has to become whole again."),
+      {"seed", "1", "a whole number", "Seed of all random choices.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));
        }},
-      {"only", "none", "sim", "For the virtual clock alone.",
+      {"only", "none", "sim", "sim: the scenario runs only under the virtual clock.",
        [](const Entry& entry, Scenario& scenario) { scenario.only_sim = read_choice(entry, {"sim"}) == 0; }},
       config::time_option(
           "boot_time", &Scenario::boot_time, 0ns, 60s,
-          "From a reset of a CPU to its first word, under the virtual clock; live it takes what it takes."),
-      {"absent", "[]", "a node or a list of nodes", "Not there at the start.",
+          "Time from the reset of a CPU to its first message, under the virtual clock. Live it is what it is."),
+      {"absent", "[]", "a node or a list of nodes", "Nodes that are not there at the start.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.absent = read_nodes(entry);  // the others are counted by it
          if (scenario.absent.size() == scenario.ring.nodes.size())
-           entry.refuse("no node would be there", "all nodes but one, at most");
+           entry.refuse("no node would be left", "at most all nodes but one");
        }},
-      {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",
+      {"steps", config::kRequired, "a list of steps", "What is done and what is expected, in this order.",
        [](const Entry& entry, Scenario& scenario) {
          config::Problems problems;
          for (const Entry& item : entry.items("a list of steps", kMostSteps))
@@ -317,19 +320,19 @@ const Section<Scenario>& scenario_section() {
            });
          problems.refuse_all();
        }},
-      conditions_option("always", &Scenario::always, "Holds at every moment."),
-      conditions_option("never", &Scenario::never, "Holds at no moment."),
+      conditions_option("always", &Scenario::always, "Conditions that hold at every moment."),
+      conditions_option("never", &Scenario::never, "Conditions that never hold."),
   };
   return section;
 }
 
 const Section<Step>& step_section() {
   static const Section<Step> section{
-      time_of_step("at", &Step::at, "Wait until then, from the start."),
-      time_of_step("after", &Step::after, "Wait so long after the step before."),
-      {"when", "none", "a condition", "Then wait until it holds.",
+      time_of_step("at", &Step::at, "Wait until this time from the start."),
+      time_of_step("after", &Step::after, "Wait this long after the previous step."),
+      {"when", "none", "a condition", "Then wait until this condition holds.",
        [](const Entry& entry, Step& step) { step.when = read_condition(entry); }},
-      {"within", "none", "a time, or {sim: TIME, live: TIME}", "`when` has to hold by then.",
+      {"within", "none", "a time, or {sim: TIME, live: TIME}", "`when` has to hold within this time.",
        [](const Entry& entry, Step& step) { step.within = read_limit(entry); }},
       {"do", "none", "a fault or a send", "Then do this.", read_action},
   };

@@ -73,7 +73,7 @@ Fault fault_in_a_map(const Entry& entry, const fault::Word& word, const fault::R
   fault.name = word.name;
   for (const config::Member& member : entry.members("")) read_member(member, fault, nodes);
   if (entry.find("after_packets").has_value() != entry.find("of").has_value())
-    entry.refuse("after_packets and of are not both given", "both, or neither");
+    entry.refuse("only one of after_packets and of is given", "both, or neither");
   at_entry(entry, [&] { fault::check(fault); });
   return fault;
 }
@@ -84,7 +84,7 @@ Fault read_fault(const Entry& entry, const fault::Word& word) {
   if (entry.is_map()) return fault_in_a_map(entry, word, nodes);
   Fault fault;
   fault.name = word.name;
-  if (word.of == fault::Of::line) entry.refuse("it is a list", "one line: a node -> the next node");
+  if (word.of == fault::Of::line) entry.refuse("a list stands here", "one line: a node -> the next node");
   fault.nodes = read_nodes(entry);
   at_entry(entry, [&] { fault::check(fault); });
   return fault;
@@ -122,9 +122,10 @@ Send read_send(const Entry& entry) {
   Send send;
   read_section(entry, send_section(), send);
   const int kinds = (send.size != 0 ? 1 : 0) + (send.interrupt ? 1 : 0) + (send.input ? 1 : 0);
-  if (kinds != 1) entry.refuse("it is not one of a packet, an interrupt and an input", "one of size, interrupt, input");
+  if (kinds != 1)
+    entry.refuse("the send is not exactly one of a packet, an interrupt and an input", "one of size, interrupt, input");
   if (entry.find("to").has_value() == send.input.has_value())
-    entry.refuse(send.input ? "where an input leads, the ring's file says" : "'to' is missing",
+    entry.refuse(send.input ? "the ring's file says where an input leads" : "'to' is missing",
                  "to beside size or interrupt");
   return send;
 }
@@ -152,7 +153,7 @@ void read_action(const Entry& entry, Step& step) {
   const auto members = entry.members("a fault or a send");
   check_none_beside(members);
   config::check_names(entry, words, {});
-  if (members.size() != 1) entry.refuse("it is not one thing", "one of " + config::join(words));
+  if (members.size() != 1) entry.refuse("not exactly one entry is given", "one of " + config::join(words));
   step.words = entry.in_one_line();
   if (members[0].name == "send") {
     step.action = read_send(members[0].value);
@@ -227,7 +228,7 @@ void read_state(const Entry& entry, NodeIs& node) {
   node.down = word + 1 == words.size();
   if (!node.down) node.state = static_cast<core::NodeState>(word);
   if (node.down && node.who.kind == Who::Kind::living)
-    entry.refuse_value("is what no living node is", "a state; down of a node, or of all");
+    entry.refuse_value("is not a state of a living node", "a state; down of a node, or of all");
 }
 
 Section<NodeIs> node_section() {
@@ -235,7 +236,8 @@ Section<NodeIs> node_section() {
            [](const Entry& entry, NodeIs& node) { node.who = read_who(entry, true); }},
           {"is", "none", "a state, or down", "Its state.", read_state},
           {"ring_size", "none", "1 to 255", "As it has learned it.", [](const Entry& entry, NodeIs& node) {
-             if (node.down) entry.refuse("a node that is down has none", "ring_size beside another state, or alone");
+             if (node.down)
+               entry.refuse("a node that is down has no ring_size", "ring_size beside another state, or alone");
              node.ring_size = static_cast<unsigned>(read_integer(entry, {1, config::kMostNodes}));
            }}};
 }
@@ -324,7 +326,7 @@ Condition read_condition(const Entry& entry) {
   for (const Kind& kind : kKinds) words.emplace_back(kind.word);
   for (const Kind& kind : kKinds)
     if (entry.find(kind.word)) return {kind.read(entry), entry.in_one_line()};
-  entry.refuse("it is no condition", "a map with one of " + config::join(words));
+  entry.refuse("this is not a condition", "a map with one of " + config::join(words));
 }
 
 // What only the world of `ring_sim soak` has, as it stands in a scenario.
@@ -351,7 +353,7 @@ void set_line(const Entry& entry, SoakAction& action, const fault::RingNodes& no
 SoakAction read_wire(const Entry& entry, SoakKind cut, SoakKind mend, const fault::RingNodes& nodes) {
   config::check_names(entry, {"cut", "mend"}, {});
   const auto members = entry.members("{cut: A -> B} or {mend: A -> B}");
-  if (members.size() != 1) entry.refuse("it is not one thing", "cut or mend");
+  if (members.size() != 1) entry.refuse("not exactly one entry is given", "cut or mend");
   SoakAction action;
   action.kind = members[0].name == "cut" ? cut : mend;
   set_line(members[0].value, action, nodes);
@@ -363,7 +365,7 @@ SoakAction read_wire(const Entry& entry, SoakKind cut, SoakKind mend, const faul
 /// `{lost: A -> B, nth: N}` or `{damaged: A -> B, nth: N, byte: I, bits: B}`
 SoakAction read_slice(const Entry& entry, const fault::RingNodes& nodes) {
   const auto lost = entry.find("lost"), damaged = entry.find("damaged");
-  if (lost.has_value() == damaged.has_value()) entry.refuse("it is not one thing", "lost or damaged");
+  if (lost.has_value() == damaged.has_value()) entry.refuse("not exactly one entry is given", "lost or damaged");
   config::check_names(
       entry,
       lost ? std::vector<std::string>{"lost", "nth"} : std::vector<std::string>{"damaged", "nth", "byte", "bits"}, {});

@@ -21,6 +21,8 @@ namespace {
 using namespace payload;
 using std::optional;
 
+constexpr const char* kDecodes = "From the bytes of a packet. ValueError if they cannot be read, with the reason";
+
 /// A payload that knows whether somebody has given it a stamp. Where nobody has, HostPort.send() does: the ring's clock
 /// may be a virtual one.
 template <typename T>
@@ -69,9 +71,12 @@ void bind_stamped(py::class_<Stamped<T>>& type, const char* when, Decode decode)
             return encoded(sent);
           },
           py::arg("now_ns") = py::none(), "bytes. now_ns: the stamp where none was given")
-      .def_static("decode", [decode](const std::string& bytes) {
-        return Stamped<T>{decoded(decode(view(bytes))), true};
-      });
+      .def_static(
+          "decode",
+          [decode](const std::string& bytes) {
+            return Stamped<T>{decoded(decode(view(bytes))), true};
+          },
+          py::arg("packet"), kDecodes);
 }
 
 std::string joints_text(std::size_t count) { return std::to_string(count) + (count == 1 ? " joint" : " joints"); }
@@ -260,7 +265,9 @@ void bind_topics(py::module& module) {
       .def_readonly("definition", &Announcement::definition)
       .def_readonly("latching", &Announcement::latching)
       .def("encode", &encoded<Announcement>)
-      .def_static("decode", [](const std::string& bytes) { return decoded(decode_announcement(view(bytes))); });
+      .def_static(
+          "decode", [](const std::string& bytes) { return decoded(decode_announcement(view(bytes))); },
+          py::arg("packet"), kDecodes);
   py::class_<Fragmenter>(module, "Fragmenter", "Cuts messages of one topic into packets for channel 3")
       .def(py::init<std::uint8_t>(), py::arg("topic"))
       .def(
@@ -284,10 +291,14 @@ void bind_topics(py::module& module) {
             return py::make_tuple(message->topic, to_bytes(message->bytes));
           },
           py::arg("source"), py::arg("packet"), "(topic, bytes) where the packet completes a message of data")
-      .def("announcement", [](const Reassembler& reassembler, std::uint8_t source, std::uint8_t topic) -> py::object {
-        const Announcement* found = reassembler.announcement(source, topic);
-        return found != nullptr ? py::cast(*found) : py::none();
-      });
+      .def(
+          "announcement",
+          [](const Reassembler& reassembler, std::uint8_t source, std::uint8_t topic) -> py::object {
+            const Announcement* found = reassembler.announcement(source, topic);
+            return found != nullptr ? py::cast(*found) : py::none();
+          },
+          py::arg("source"), py::arg("topic"),
+          "The Announcement of that topic of node `source`; None if none has come");
 }
 
 }  // namespace

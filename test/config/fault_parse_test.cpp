@@ -41,7 +41,7 @@ TEST(FaultWords, SayTheSecondLineAgainstRingOrder) {
   EXPECT_FALSE(from_words("cut ankle:hip", kNodes).second_line);
   EXPECT_NO_THROW(check_second_line(fault, true, kNodes));
   EXPECT_THAT(test::thrown<ParseError>([&] { check_second_line(fault, false, kNodes); }),
-              AllOf(HasSubstr("'cut hip -> ankle' is of a second line"), HasSubstr("cut hip -> knee")));
+              AllOf(HasSubstr("'cut hip -> ankle' is on a second line"), HasSubstr("cut hip -> knee")));
 }
 
 TEST(FaultWords, SayNodesByNameNumberOrAll) {
@@ -89,16 +89,17 @@ TEST(FaultWords, MakeOfANodeWhatCanBeMadeOfIt) {
 
 TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of("dorp hip -> knee"),
-              StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));
+              StartsWith("'dorp' is not a fault, did you mean 'drop'?; allowed: cut, heal"));
   EXPECT_THAT(refusal_of(""), StartsWith("no fault is named; allowed: cut"));
-  EXPECT_THAT(refusal_of("kill nee"), StartsWith("'nee' is no node of the ring, did you mean 'knee'?; allowed: hip"));
-  EXPECT_THAT(refusal_of("cut hip -> hip"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee"),
+  EXPECT_THAT(refusal_of("kill nee"),
+              StartsWith("'nee' is not a node of the ring, did you mean 'knee'?; allowed: hip"));
+  EXPECT_THAT(refusal_of("cut hip -> hip"), AllOf(HasSubstr("is not a line of the ring"), HasSubstr("hip -> knee"),
                                                   HasSubstr("its second line: hip -> ankle")));
   EXPECT_THAT(refusal_of("cut hip"), StartsWith("cut needs a line; allowed: A -> B"));
   EXPECT_THAT(refusal_of("kill"), StartsWith("kill needs a node; allowed: a node of the ring"));
   EXPECT_THAT(refusal_of("drop hip -> knee packet=3"), HasSubstr("did you mean 'packets'?"));
   EXPECT_THAT(refusal_of("stall hip -> knee packets=3"),
-              StartsWith("'packets' is nothing that stall takes; allowed: for, after, after_packets, of"));
+              StartsWith("'packets' is not a parameter of stall; allowed: for, after, after_packets, of"));
   EXPECT_THAT(refusal_of("drop hip -> knee packets=0"),
               StartsWith("'0' is not allowed for 'packets'; allowed: a whole number"));
   EXPECT_THAT(refusal_of("stall hip -> knee for=2"),
@@ -124,9 +125,9 @@ TEST(FaultWords, NameAValueThatStandsAloneAndItsKey) {
 
 TEST(FaultWords, ThatAreLongAreShownByTheirBeginning) {
   const std::string word(100000, 'x'), shown = "'" + std::string(60, 'x') + "...'";
-  EXPECT_THAT(refusal_of(word), StartsWith(shown + " is no fault"));
-  EXPECT_THAT(refusal_of("kill " + word), StartsWith(shown + " is no node"));
-  EXPECT_THAT(refusal_of("drop hip -> knee " + word + "=1"), StartsWith(shown + " is nothing that drop takes"));
+  EXPECT_THAT(refusal_of(word), StartsWith(shown + " is not a fault"));
+  EXPECT_THAT(refusal_of("kill " + word), StartsWith(shown + " is not a node"));
+  EXPECT_THAT(refusal_of("drop hip -> knee " + word + "=1"), StartsWith(shown + " is not a parameter of drop"));
   EXPECT_THAT(refusal_of("drop hip -> knee packets=" + word), StartsWith(shown + " is not allowed"));
   EXPECT_THAT(refusal_of("drop hip -> knee " + word), StartsWith(shown + " is a word too many"));
 }

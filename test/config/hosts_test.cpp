@@ -63,11 +63,12 @@ TEST(Hosts, OfARobotAreOneAtADesk) {
 }
 
 TEST(WrongHosts, AreNamedWithPlaceValueAndWhatIsRight) {
-  EXPECT_THAT(refusal_of(two_hosts("links: {insecure: true}", ", host: haed")),
-              Eq("ring.yaml:8:31: entry 'nodes[1].host': 'haed' is no host of it, did you mean 'head'?; allowed: a "
-                 "host of this ring (head, waist)"));
+  EXPECT_THAT(
+      refusal_of(two_hosts("links: {insecure: true}", ", host: haed")),
+      Eq("ring.yaml:8:31: entry 'nodes[1].host': 'haed' is not a host of this ring, did you mean 'head'?; allowed: a "
+         "host of this ring (head, waist)"));
   EXPECT_THAT(refusal_of(node_with("    host: head\n")),
-              HasSubstr("'head' is no host of it; allowed: no host where the file has no `hosts`"));
+              HasSubstr("'head' is not a host of this ring; allowed: no `host`, because the file has no `hosts`"));
   EXPECT_THAT(refusal_of("ring: r\nhosts: [{name: a, address: waist.local}]\nnodes: []\n"),
               AllOf(StartsWith("ring.yaml:2:28: entry 'hosts[0].address'"), HasSubstr("is not an address in numbers")));
   EXPECT_THAT(refusal_of("ring: r\nhosts: [{name: all, address: 10.0.0.1}]\nnodes: []\n"), HasSubstr("the word 'all'"));
@@ -79,12 +80,12 @@ TEST(WrongHosts, AreNamedWithPlaceValueAndWhatIsRight) {
 TEST(WrongHosts, ThatShareANameOrAnAddress) {
   const std::string nodes = "nodes: [{id: 0}, {id: 1}]\n";
   EXPECT_THAT(refusal_of("ring: r\nhosts: [{name: a, address: 10.0.0.1}, {name: a, address: 10.0.0.2}]\n" + nodes),
-              HasSubstr("'a' is another host's name"));
+              HasSubstr("'a' is the name of another host"));
   EXPECT_THAT(refusal_of("ring: r\nhosts: [{name: a, address: 10.0.0.1}, {name: b, address: 10.0.0.1}]\n" + nodes),
-              HasSubstr("'10.0.0.1' is another host's address"));
+              HasSubstr("'10.0.0.1' is the address of another host"));
   EXPECT_THAT(
       refusal_of("ring: r\nhosts: [{name: a, address: 10.0.0.1}, {name: b, address: 127.0.0.1}]\n" + nodes),
-      AllOf(StartsWith("ring.yaml:2:"), HasSubstr("'127.0.0.1' of host 'b' is reached from that machine alone")));
+      AllOf(StartsWith("ring.yaml:2:"), HasSubstr("'127.0.0.1' of host 'b' can be reached only from that machine")));
 }
 
 TEST(WrongHosts, ContradictedByTheLinks) {

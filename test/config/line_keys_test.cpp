@@ -25,8 +25,7 @@ std::string problem(const std::string& text) {
 
 TEST(LineKeys, UdpBeyondThisHostNeedsAKeyOrTheWordInsecure) {
   const std::string error = problem(ring("transport: udp, address: 192.168.0.2"));
-  EXPECT_THAT(error,
-              HasSubstr("line into node 'node0' comes by UDP to 192.168.0.2, beyond this host, and is not keyed"));
+  EXPECT_THAT(error, HasSubstr("line into node 'node0' comes by UDP to 192.168.0.2, beyond this host, and has no key"));
   EXPECT_THAT(error, HasSubstr("ringctl hosts key"));
   EXPECT_THAT(error, HasSubstr("insecure: true"));
   EXPECT_EQ(problem(ring("transport: udp, address: 192.168.0.2, key: ring.key")), "");

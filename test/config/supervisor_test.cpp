@@ -40,8 +40,9 @@ TEST(Supervisor, IsTheBodysNodeWhereNoneIsNamed) {
 }
 
 TEST(Supervisor, OfAnUnknownNodeOrPolicyIsRefused) {
-  EXPECT_THAT(refusal_of(two_nodes("supervisor: {node: kne}\n")),
-              StartsWith("ring.yaml:6:20: entry 'supervisor.node': 'kne' is no node of it, did you mean 'knee'?"));
+  EXPECT_THAT(
+      refusal_of(two_nodes("supervisor: {node: kne}\n")),
+      StartsWith("ring.yaml:6:20: entry 'supervisor.node': 'kne' is not a node of this ring, did you mean 'knee'?"));
   EXPECT_THAT(refusal_of(two_nodes("supervisor: {policy: always}\n")),
               HasSubstr("'supervisor.policy': 'always' is unknown; allowed: off, report, auto"));
   EXPECT_THAT(refusal_of(two_nodes("supervisor: {tries: 0}\n")),

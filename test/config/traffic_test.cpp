@@ -63,11 +63,12 @@ TEST(Traffic, MustBeNamedAddressedAndRated) {
 }
 
 TEST(Traffic, GoesBetweenNodesOfThisRing) {
-  EXPECT_THAT(refusal_of(with_traffic("{name: a, from: 0, to: kne, size: 8, rate: 1}")),
-              AllOf(StartsWith("ring.yaml:7:28: entry 'traffic[0].to': 'kne' is no node of it, did you mean 'knee'?"),
-                    HasSubstr("(body, knee), or all")));
+  EXPECT_THAT(
+      refusal_of(with_traffic("{name: a, from: 0, to: kne, size: 8, rate: 1}")),
+      AllOf(StartsWith("ring.yaml:7:28: entry 'traffic[0].to': 'kne' is not a node of this ring, did you mean 'knee'?"),
+            HasSubstr("(body, knee), or all")));
   EXPECT_THAT(refusal_of(with_traffic("{name: a, from: all, to: 1, size: 8, rate: 1}")),
-              HasSubstr("'traffic[0].from': 'all' is no node of it"));
+              HasSubstr("'traffic[0].from': 'all' is not a node of this ring"));
 }
 
 TEST(Traffic, StaysWithinItsRanges) {
@@ -111,8 +112,8 @@ TEST(Traffic, ATopicIsPlannedBySizeAndRateTogether) {
   EXPECT_EQ(ring.bridge.topics[0].rate, 2.5);
   EXPECT_EQ(parse_ring(topic(""), "ring.yaml").bridge.topics[0].size, 0u);
   EXPECT_THAT(refusal_of(topic(", size: 1000")),
-              HasSubstr("it has a size and no rate; allowed: size and rate, or neither of them"));
-  EXPECT_THAT(refusal_of(topic(", rate: 5")), HasSubstr("it has a rate and no size"));
+              HasSubstr("the topic has a size and no rate; allowed: size and rate, or neither of them"));
+  EXPECT_THAT(refusal_of(topic(", rate: 5")), HasSubstr("the topic has a rate and no size"));
 }
 
 }  // namespace

@@ -75,8 +75,8 @@ TEST(NotYaml, IsRefusedWithItsPlace) {
 TEST(NotYaml, EmptyOrSeveralDocumentsOrNoMap) {
   EXPECT_THAT(refusal_of(""), HasSubstr("holds no YAML document; allowed: one"));
   EXPECT_THAT(refusal_of("ring: r\n---\nring: r\n"), StartsWith("ring.yaml:2:1: what begins here is not part of"));
-  EXPECT_THAT(refusal_of("- ring\n"), HasSubstr("the file: a list is no map"));
-  EXPECT_THAT(refusal_of("ring\n"), HasSubstr("the file: 'ring' is no map"));
+  EXPECT_THAT(refusal_of("- ring\n"), HasSubstr("the file: a list is not a map"));
+  EXPECT_THAT(refusal_of("ring\n"), HasSubstr("the file: 'ring' is not a map"));
 }
 
 TEST(NotYaml, ACommaThatIsLeftOver) {
@@ -100,7 +100,7 @@ TEST(NotYaml, BracketsWithoutEnd) {
 
 TEST(NotYaml, SixtyFourLevelsAndNoMore) {
   const auto nested = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
-  EXPECT_THAT(refusal_of(nested(64)), HasSubstr("a list is no map"));
+  EXPECT_THAT(refusal_of(nested(64)), HasSubstr("a list is not a map"));
   EXPECT_THAT(refusal_of(nested(65)), StartsWith("ring.yaml:1:65: lists and maps are nested too deep"));
 }
 

@@ -149,7 +149,7 @@ TEST_F(Urdf, LetsMimicJointsFollowThoseOfTheRing) {
                             "<joint name='c' type='revolute'><mimic joint='d' multiplier='x'/></joint>\n"
                             "<joint name='e' type='revolute'><mimic joint='f'/></joint>\n")),
               AllOf(HasSubstr("joint 'a' mimics itself"), HasSubstr("\"x\" of a <mimic> is not a number"),
-                    HasSubstr("joint 'e' mimics 'f', which is no joint that moves")));
+                    HasSubstr("joint 'e' mimics 'f', which is not a joint that moves")));
 }
 
 TEST_F(Urdf, MayNameItsJointsAsRosDoes) {
@@ -207,7 +207,7 @@ TEST_F(Urdf, IsNotThereOrNoUrdf) {
                                            EndsWith("allowed: a URDF: its path from the folder of this file, or "
                                                     "absolute, or package://PACKAGE/PATH")));
   EXPECT_THAT(refusal("<robot>\n<joint>\n"), StartsWith(place + ":2: is not XML: XML_ERROR_"));
-  EXPECT_THAT(refusal("<gazebo/>"), StartsWith(place + ":1: is no URDF: its root is <gazebo>; allowed: <robot>"));
+  EXPECT_THAT(refusal("<gazebo/>"), StartsWith(place + ":1: is not a URDF: its root is <gazebo>; allowed: <robot>"));
   EXPECT_THAT(refusal(""), HasSubstr("is not XML: XML_ERROR_EMPTY_DOCUMENT"));
   EXPECT_THAT(refusal(robot("<joint type='fixed'/>\n")), StartsWith(place + ":2: a joint has no name"));
   EXPECT_THAT(refusal(robot("<joint name='a' type='fixed'/>\n<joint name='a' type='fixed'/>\n")),

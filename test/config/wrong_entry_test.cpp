@@ -78,9 +78,10 @@ TEST(WrongEntry, ForControllersInLockstep) {
 }
 
 TEST(WrongEntry, ThatHasBecomeThreeNamesThem) {
-  EXPECT_THAT(refusal_of(two_nodes("timeouts: {bypass: 200ms}\n")),
-              Eq("ring.yaml:6:20: entry 'timeouts.bypass': is three entries now; allowed: first_successor, "
-                 "break_grace, fold_permission"));
+  EXPECT_THAT(
+      refusal_of(two_nodes("timeouts: {bypass: 200ms}\n")),
+      Eq("ring.yaml:6:20: entry 'timeouts.bypass': has been replaced by three entries; allowed: first_successor, "
+         "break_grace, fold_permission"));
 }
 
 TEST(WrongEntry, GivenTwice) {
@@ -100,10 +101,10 @@ TEST(WrongEntry, TheMergeKeyIsNotSupportedAndAnAliasIs) {
 
 TEST(WrongEntry, AValueWhereAMapIsExpected) {
   EXPECT_THAT(refusal_of(two_nodes("limits: 7\n")),
-              StartsWith("ring.yaml:6:9: entry 'limits': '7' is no map (name: value); allowed: a map "
+              StartsWith("ring.yaml:6:9: entry 'limits': '7' is not a map (name: value); allowed: a map "
                          "of insertion_buffer"));
-  EXPECT_THAT(refusal_of(two_nodes("limits: [7]\n")), HasSubstr("'limits': a list is no map"));
-  EXPECT_THAT(refusal_of(two_nodes("limits:\n")), HasSubstr("'limits': nothing is no map"));
+  EXPECT_THAT(refusal_of(two_nodes("limits: [7]\n")), HasSubstr("'limits': a list is not a map"));
+  EXPECT_THAT(refusal_of(two_nodes("limits:\n")), HasSubstr("'limits': nothing is not a map"));
 }
 
 TEST(WrongEntry, AMapOrAListWhereAValueIsExpected) {

@@ -22,9 +22,9 @@ TEST(WrongNodes, NoneOrOneOrTooMany) {
 }
 
 TEST(WrongNodes, NoListOrNoMaps) {
-  EXPECT_THAT(refusal_of("ring: r\nnodes: {id: 0}\n"), HasSubstr("'nodes': a map is no list"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes: {id: 0}\n"), HasSubstr("'nodes': a map is not a list"));
   EXPECT_THAT(refusal_of("ring: r\nnodes: [body, knee]\n"),
-              StartsWith("ring.yaml:2:9: entry 'nodes[0]': 'body' is no map"));
+              StartsWith("ring.yaml:2:9: entry 'nodes[0]': 'body' is not a map"));
 }
 
 TEST(WrongNodes, IdMissingOutOfRangeOrTwice) {
@@ -33,7 +33,7 @@ TEST(WrongNodes, IdMissingOutOfRangeOrTwice) {
   EXPECT_THAT(refusal_of("ring: r\nnodes: [{id: 0}, {id: 255}]\n"),
               HasSubstr("'nodes[1].id': '255' is out of range; allowed: a whole number, 0 to 254"));
   EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 3}\n  - {id: 3}\n"),
-              Eq("ring.yaml:4:10: entry 'nodes[1].id': '3' is another node's id; allowed: ids 0 to "
+              Eq("ring.yaml:4:10: entry 'nodes[1].id': '3' is the id of another node; allowed: ids 0 to "
                  "254, each once"));
 }
 
@@ -51,9 +51,9 @@ TEST(WrongNodes, NameUnfitOrTwice) {
                     HasSubstr("allowed: a letter, then")));
   EXPECT_THAT(refusal_of(node_with("    name: all\n")), HasSubstr("not the word 'all'"));
   EXPECT_THAT(refusal_of(node_with("    name: knee\n")),
-              StartsWith("ring.yaml:5:11: entry 'nodes[1].name': 'knee' is another node's name"));
+              StartsWith("ring.yaml:5:11: entry 'nodes[1].name': 'knee' is the name of another node"));
   EXPECT_THAT(refusal_of("ring: r\nnodes: [{id: 0, name: node1}, {id: 1}]\n"),
-              HasSubstr("entry 'nodes[1]': 'node1' is another node's name"));
+              HasSubstr("entry 'nodes[1]': 'node1' is the name of another node"));
 }
 
 TEST(WrongNodes, UnknownEntry) {
@@ -69,7 +69,7 @@ TEST(WrongNodes, Cpu) {
   EXPECT_THAT(refusal_of(node_with("    cpu: {}\n")), HasSubstr("'command' is missing"));
   EXPECT_THAT(refusal_of(node_with("    cpu: {command: []}\n")), HasSubstr("'nodes[1].cpu.command': names no program"));
   EXPECT_THAT(refusal_of(node_with("    cpu: {command: limb_firmware}\n")),
-              HasSubstr("'limb_firmware' is no list; allowed: a list of program and arguments"));
+              HasSubstr("'limb_firmware' is not a list; allowed: a list of program and arguments"));
   EXPECT_THAT(refusal_of(node_with("    cpu: {command: [a], restart: true}\n")),
               HasSubstr("'nodes[1].cpu.restart': is unknown"));
 }
@@ -83,7 +83,7 @@ TEST(WrongNodes, CpuThatIsBothStartedAndAttached) {
 }
 
 TEST(WrongNodes, Joints) {
-  EXPECT_THAT(refusal_of(node_with("    joints: {name: a}\n")), HasSubstr("a map is no list"));
+  EXPECT_THAT(refusal_of(node_with("    joints: {name: a}\n")), HasSubstr("a map is not a list"));
   EXPECT_THAT(refusal_of(node_with("    joints: [{lower: 0}]\n")),
               HasSubstr("'nodes[1].joints[0]': 'name' is missing"));
   EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: 1, upper: 1}]\n")),
@@ -147,8 +147,8 @@ TEST(WrongNodes, SensorsWithATopic) {
 TEST(WrongNodes, Pins) {
   EXPECT_THAT(refusal_of(node_with("    pins: {3: restart}\n")), HasSubstr("'nodes[1].pins.3': 'restart' is unknown"));
   EXPECT_THAT(refusal_of(node_with("    pins: {8: reset}\n")), HasSubstr("'nodes[1].pins.8': is unknown"));
-  EXPECT_THAT(refusal_of(node_with("    pins: [reset]\n")), HasSubstr("a list is no map"));
-  EXPECT_THAT(refusal_of(node_with("    pins: {3: signal}\n")), HasSubstr("'signal' says not which"));
+  EXPECT_THAT(refusal_of(node_with("    pins: [reset]\n")), HasSubstr("a list is not a map"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: signal}\n")), HasSubstr("'signal' needs a value"));
   EXPECT_THAT(refusal_of(node_with("    pins: {3: {}}\n")), HasSubstr("the map is empty"));
   EXPECT_THAT(refusal_of(node_with("    pins: {3: {signal: SEGV}}\n")),
               HasSubstr("'nodes[1].pins.3.signal': 'SEGV' is unknown; allowed: HUP, INT"));
@@ -159,7 +159,7 @@ TEST(WrongNodes, Pins) {
 
 TEST(WrongNodes, Inputs) {
   EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: kne, factor: 1}}\n")),
-              AllOf(HasSubstr("'nodes[1].inputs.0.to': 'kne' is no node of it, did you mean 'knee'?"),
+              AllOf(HasSubstr("'nodes[1].inputs.0.to': 'kne' is not a node of this ring, did you mean 'knee'?"),
                     HasSubstr("allowed: id or name of a node of this ring (knee, node0), or all")));
   EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: knee}}\n")), HasSubstr("'factor' is missing"));
   EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: knee, factor: 8}}\n")),
@@ -204,7 +204,7 @@ std::string with_topics(const std::string& topics) {
 
 TEST(WrongTopics, NodesThatAreUnknownTheSameOrWithoutBridge) {
   EXPECT_THAT(refusal_of(with_topics("    - {input: a, from: body, to: had}\n")),
-              StartsWith("ring.yaml:5:34: entry 'bridge.topics[0].to': 'had' is no node of it, did "
+              StartsWith("ring.yaml:5:34: entry 'bridge.topics[0].to': 'had' is not a node of this ring, did "
                          "you mean 'head'?"));
   EXPECT_THAT(refusal_of(with_topics("    - {input: a, from: body, to: 0}\n")),
               HasSubstr("'bridge.topics[0]': the topic goes from a node to itself"));

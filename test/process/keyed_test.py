@@ -121,7 +121,7 @@ class Keyed(RingTest):
         ring = {'ring': self.ring, 'nodes': plain_nodes(2), 'links': {**self.links, 'address': '192.0.2.1'}}
         ended = self.run_ringd('--config', self.write('open.yaml', json.dumps(ring)), '--node', '0')
         self.assertEqual(ended.returncode, 2)
-        for word in ('is not keyed', 'ringctl hosts key', 'insecure: true'):
+        for word in ('has no key', 'ringctl hosts key', 'insecure: true'):
             self.assertIn(word, ended.stderr)
 
 

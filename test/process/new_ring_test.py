@@ -76,7 +76,7 @@ class NewRing(RingTest):
 
     def test_writes_over_nothing_that_is_there_unless_forced(self):
         self.new('go2.urdf')
-        self.assertIn('is there already', self.new('go2.urdf', code=2).stderr)
+        self.assertIn('already exists', self.new('go2.urdf', code=2).stderr)
         one_a_chain = self.new('go2.urdf', '--force', '--per-chain', '--rate', 500).stdout
         self.assertIn('FL_hip: FL_hip_joint, FL_thigh_joint, FL_calf_joint\n', one_a_chain)
         with open(self.file) as file:

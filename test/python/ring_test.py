@@ -188,7 +188,7 @@ def test_a_ring_that_somebody_else_has_started_goes_on(monkeypatch):
 
 
 def test_what_is_wrong_is_said_in_the_words_of_ringctl():
-    with pytest.raises(RingError, match="nodes.1..id.*another node's id"):
+    with pytest.raises(RingError, match="nodes.1..id.*the id of another node"):
         Ring({'ring': 'x', 'nodes': [{'id': 0, 'name': 'a'}, {'id': 0, 'name': 'b'}]}).up()
     with pytest.raises(RingError, match='no file nowhere.yaml'):
         Ring('nowhere.yaml').up()

@@ -41,7 +41,7 @@ TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
   EXPECT_THAT(refusal_of(four_nodes("steps:\n  - {do: {kil: node1}}\n")),
               AllOf(StartsWith("test.yaml:4:11: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),
                     HasSubstr("cut, heal, drop, corrupt, truncate, duplicate")));
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: node7}}]\n")), HasSubstr("'node7' is no node of the ring"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: node7}}]\n")), HasSubstr("'node7' is not a node of the ring"));
   EXPECT_THAT(refusal_of(four_nodes("step: []\n")),
               StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
 }
@@ -89,12 +89,12 @@ TEST(LoadScenario, RefusesANodeThatIsNamedTwice) {
 TEST(LoadScenario, RefusesARingWithoutANode) {
   for (const char* all : {"all", "[0, 1, 2, 3]"})
     EXPECT_THAT(refusal_of(four_nodes(std::string("absent: ") + all + "\nsteps: []\n")),
-                HasSubstr("entry 'absent': no node would be there; allowed: all nodes but one, at most"));
+                HasSubstr("entry 'absent': no node would be left; allowed: at most all nodes but one"));
 }
 
 TEST(LoadScenario, RefusesAWaitWithoutALimit) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{when: {node: all, is: up}}]\n")), HasSubstr("'within' is missing"));
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{within: 1s}]\n")), HasSubstr("there is no when"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{within: 1s}]\n")), HasSubstr("the step has no when"));
 }
 
 TEST(LoadScenario, RefusesTimesThatRunBackwards) {
@@ -104,20 +104,20 @@ TEST(LoadScenario, RefusesTimesThatRunBackwards) {
 TEST(LoadScenario, RefusesConditionsThatSayNothing) {
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{node: all}]\n")),
               HasSubstr("does not say what to look for; allowed: is, ring_size"));
-  EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{knee: up}]\n")), HasSubstr("it is no condition"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{knee: up}]\n")), HasSubstr("this is not a condition"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{counter: timeouts, of: all, at_most: 2, at_least: 5}]\n")),
               HasSubstr("'2' leaves nothing between at_least and at_most; allowed: at_least up to at_most"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{ring_size: 3, node: node1, is: down}]\n")),
-              HasSubstr("a node that is down has none; allowed: ring_size beside another state, or alone"));
+              HasSubstr("a node that is down has no ring_size; allowed: ring_size beside another state, or alone"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{is: down, node: living}]\n")),
-              HasSubstr("'down' is what no living node is; allowed: a state; down of a node, or of all"));
+              HasSubstr("'down' is not a state of a living node; allowed: a state; down of a node, or of all"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{counter: crc_error, of: all, at_most: 0}]\n")),
               HasSubstr("did you mean 'crc_errors'?"));
 }
 
 TEST(LoadScenario, RefusesANameThatNothingIsSentUnder) {
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{taken: x, at_most: 0}]\n")),
-              HasSubstr("entry 'always[0].taken': 'x' is none"));
+              HasSubstr("entry 'always[0].taken': 'x' is not a send"));
 }
 
 TEST(LoadScenario, RefusesASendOfNoKindOrOfTwo) {
@@ -137,13 +137,13 @@ TEST(LoadScenario, NeedsOneRing) {
   EXPECT_THAT(refusal_of("scenario: x\nsteps: []\n"), HasSubstr("neither ring nor nodes is given"));
   EXPECT_THAT(refusal_of("scenario: x\nnodes: 2\nring: y\nsteps: []\n"), HasSubstr("both given"));
   EXPECT_THAT(refusal_of("scenario: x\nring: none.yaml\nsteps: []\n"),
-              HasSubstr("test.yaml:2:7: entry 'ring': 'none.yaml' is no file"));
+              HasSubstr("test.yaml:2:7: entry 'ring': 'none.yaml' does not exist"));
 }
 
 TEST(LoadScenario, WantsATitleThatCanBePrinted) {
   for (const char* title : {"\"\\e[2J\"", "\"two\\nlines\""})
     EXPECT_THAT(refusal_of("scenario: " + std::string(title) + "\nnodes: 2\nsteps: []\n"),
-                HasSubstr("test.yaml:1:11: entry 'scenario': it has bytes that are not plain text"));
+                HasSubstr("test.yaml:1:11: entry 'scenario': the title has bytes that are not plain text"));
 }
 
 }  // namespace

@@ -61,8 +61,8 @@ TEST(SoakWorld, ExpectsThatTheRingIsWholeAgainAndIsVirtualAlone) {
 TEST(SoakWorld, RefusesWhatItHasNot) {
   const auto refusal = [](const std::string& more) { return refusal_of(four_nodes(more)); };
   EXPECT_THAT(refusal("steps: [{do: {cancel: node0}}]\n"), HasSubstr("allowed: world: soak"));
-  EXPECT_THAT(refusal("rate: unlimited\nsteps: []\n"), HasSubstr("takes no time"));
-  EXPECT_THAT(refusal("world: soak\nsteps: [{do: {hang: node0}}]\n"), HasSubstr("are no programs"));
+  EXPECT_THAT(refusal("rate: unlimited\nsteps: []\n"), HasSubstr("is not possible here"));
+  EXPECT_THAT(refusal("world: soak\nsteps: [{do: {hang: node0}}]\n"), HasSubstr("CPUs are not programs"));
   EXPECT_THAT(refusal("world: soak\nsteps: [{do: {wire: {cut: node1 -> node0}}}]\n"), HasSubstr("folds back"));
   EXPECT_THAT(refusal("world: soak\nsteps: [{do: {cable: {cut: node0 -> node1}}}]\n"),
               HasSubstr("allowed: redundancy"));

@@ -111,7 +111,7 @@ int act(const Context& context, int argc, char** argv) {
 
 int run_command_line(int argc, char** argv) {
   Context context;
-  CLI::App app("The ring of limb_ring under a virtual clock: the very core that ringd runs.", "ring_sim");
+  CLI::App app("Simulates a ring under a virtual clock, with the core that ringd runs.", "ring_sim");
   app.footer(cli::footer("", "ring_sim plan leg8 --simulate", kExitCodesHelp));
   app.require_subcommand(1);
   add_run(app, context);

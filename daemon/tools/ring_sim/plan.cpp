@@ -147,13 +147,14 @@ void add_plan(CLI::App& app, Context& context) {
             options->simulate = true;
             options->duration = text;
           },
-          "Run it under a virtual clock for so long, default 1s, and set what was measured beside the bounds")
+          "Also run the ring under a virtual clock for this time, default 1s, and print what was measured beside the "
+          "bounds")
       ->type_name("[TIME]")
       ->expected(0, 1)
       ->default_str(kSimulated)
       ->check(CLI::Validator(check_duration, ""));
   command->add_option("--html", options->html,
-                      "With --simulate, write a page there: a histogram of each stream, its bound a line");
+                      "With --simulate: write an HTML page with a histogram and the bound of each stream");
   add_seed(*command, options->seed);
   add_format(*command, options->format);
   command->callback([&context, command, options] {

@@ -186,9 +186,9 @@ void add_world(CLI::App& command, SoakOptions& options) {
             options.world = static_cast<study::WorldKind>(std::find(kWorlds, std::end(kWorlds), what) - kWorlds);
           },
           "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
-          "still; parts: that up to 16 nodes, hosts that lose each other and regroup, ends of lines that notice late, "
-          "faults in bursts within a lap; storms: 3 to 6 nodes that fold back, mended again and again before such a "
-          "burst")
+          "still; parts: as wide, with up to 16 nodes, hosts that lose each other and regroup, ends of lines that "
+          "notice late, faults in bursts within a lap; storms: 3 to 6 nodes that fold back, mended again and again "
+          "before such a burst")
       ->transform(cli::one_of({"usual", "wide", "parts", "storms"}));
 }
 
@@ -196,9 +196,9 @@ void add_shrink(CLI::App& command, SoakOptions& options) {
   command
       .add_option(
           "--shrink", options.shrink_into,
-          "Make of each broken seed the smallest scenario that fails in the same way, and write it into this "
-          "folder (default: where you are); 'ringctl scenario run' takes it. Where more than 3 faults or 10 sends "
-          "are left, up to 5 more broken seeds follow. Of the usual world alone")
+          "Shrink each broken seed to the smallest scenario that fails in the same way, and write it into this "
+          "folder (default: the current one) for 'ringctl scenario run'. If more than 3 faults or 10 sends are left, "
+          "up to 5 more broken seeds follow. Only in the usual world")
       ->expected(0, 1)
       ->default_str(".");
 }

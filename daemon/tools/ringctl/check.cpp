@@ -123,15 +123,15 @@ int tell_foreign(const std::vector<std::string>& files, const std::string& name)
 
 void add_check(CLI::App& app, Context& context) {
   auto files = std::make_shared<std::vector<std::string>>();
-  CLI::App* command = add_command(
-      app, "check", "Check files of rings, scenarios and robots", "ringctl check leg8.yaml",
-      "Starts nothing. Says all that is wrong at once. What cannot be carried in time, 'ring_sim plan' says.");
+  CLI::App* command = add_command(app, "check", "Check files of rings, scenarios and robots", "ringctl check leg8.yaml",
+                                  "Starts nothing, and prints all errors at once. 'ring_sim plan' says whether the "
+                                  "ring carries its packets in time.");
   command->add_option("FILE", *files, "YAML of a ring or scenario, the name of a ring such as leg8, or a URDF")
       ->required();
   auto foreign = std::make_shared<std::string>();
   command
       ->add_option("--foreign", *foreign,
-                   "Instead: what the program of NODE, which is not ours, is told of this ring: its name, the id, "
+                   "Print instead what the program of NODE needs to know if it is not ringd: the ring's name, the id, "
                    "links.port, all ids, and the agreement of protocol.md section 6.13")
       ->type_name("NODE");
   command->callback([&context, files, foreign] {

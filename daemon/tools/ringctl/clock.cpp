@@ -122,7 +122,7 @@ void add_time(CLI::App& app, Context& context) {
   CLI::App* pace =
       add(app, context, {"pace", "Change how fast the time of a virtual ring passes", "ringctl clock pace 0.1"},
           options, set_pace);
-  pace->add_option("PACE", options->pace, "Its time per real time, 0.001 to 1000, or max: as fast as the programs are")
+  pace->add_option("PACE", options->pace, "Ring time per real time, 0.001 to 1000, or max: as fast as the programs can")
       ->transform(cli::pace())
       ->required();
   add_ring(*pace, *options);
@@ -134,7 +134,8 @@ void add_time(CLI::App& app, Context& context) {
   CLI::App* step =
       add(app, context, {"step", "Let TIME pass on a virtual ring, then stand still", "ringctl clock step 1ms"},
           options, step_clock);
-  step->add_option("TIME", options->step_s, "By its own clock, such as 1ms; a plain number is seconds; 1ns to 1e6 s")
+  step->add_option("TIME", options->step_s,
+                   "Time by the ring's clock, such as 1ms; a plain number is seconds; 1ns to 1e6 s")
       ->transform(cli::seconds(1e-9, 1e6))
       ->required();
   add_ring(*step, *options);

@@ -25,8 +25,7 @@ int run_kit(const Context& context) {
 void add_conform(CLI::App& app, Context& context) {
   CLI::App* command =
       add_command(app, "conform", "Test a node of another make against docs/protocol.md", "ringctl conform --list",
-                  "Plays all neighbours of that node, and gives a verdict for each rule. All that stands behind it "
-                  "goes to the kit: "
+                  "Plays all neighbours of that node, and gives a verdict for each rule. All arguments go to the kit: "
                   "'ringctl conform --usage' prints its options, --list its cases.");
   command->fallthrough(false);
   command->prefix_command();

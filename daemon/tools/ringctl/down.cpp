@@ -123,8 +123,8 @@ void add_down(CLI::App& app, Context& context) {
   auto ring = std::make_shared<std::string>();
   CLI::App* command =
       add_command(app, "down", "End a ring", "ringctl down leg8",
-                  "Asks its daemons to end. Those that do not get SIGTERM, then SIGKILL. Then removes the ring's "
-                  "folder. Its log files stay in .logs/RING beside that until the ring is started again.");
+                  "Asks the daemons to end. One that does not end gets SIGTERM, then SIGKILL. Then removes the ring's "
+                  "folder. The log files stay in .logs/RING beside it until the ring is started again.");
   auto all = std::make_shared<bool>(false);
   CLI::Option* name = command->add_option("RING", *ring, "Name of the ring; default: as --ring");
   command->add_flag("--all", *all, "All rings of this user")->excludes(name);

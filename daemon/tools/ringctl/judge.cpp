@@ -193,10 +193,10 @@ void add_judge(CLI::App& app, Context& context) {
   auto options = std::make_shared<JudgeOptions>();
   CLI::App* command =
       add_command(app, "judge", "Judge the promises of a living ring", "ringctl judge leg8 --for 60",
-                  "Goes on until Ctrl-C, or until the ring is taken down. The promises: what is delivered has "
-                  "arrived, once and in order; every send has one result; a pin is pulled once; nothing circles. "
-                  "Prints a line for each broken promise. Ends with 1 if one was broken, or if a node could not be "
-                  "watched. Warns of neighbours that break a rule of docs/protocol.md without that.");
+                  "Runs until Ctrl-C, or until the ring is taken down. The promises: a packet that is delivered has "
+                  "arrived once and in order; every send has one result; a pin is pulled once; no packet circles for "
+                  "ever. Prints a line for each broken promise. Exits with 1 if one was broken, or if a node could not "
+                  "be watched. Also warns of neighbours that break another rule of docs/protocol.md.");
   command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   command->add_option("--for", options->lasts_s, "End after N seconds; default: never")
       ->transform(cli::seconds(0.1, 1e9));

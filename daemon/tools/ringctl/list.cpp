@@ -74,7 +74,7 @@ void add_list(CLI::App& app, Context& context) {
   auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
       add_command(app, "list", "Show all rings of this user", "ringctl list",
-                  "nodes: how many of them a daemon of this machine holds. host: which of the ring's hosts this "
+                  "nodes: how many of its nodes run on this machine. host: which of the ring's hosts this "
                   "machine is. clock: live or virtual; of a virtual ring also its time, its pace, and how far it is "
                   "behind.");
   add_json(*command, *as_json);

@@ -103,11 +103,10 @@ void add_log(CLI::App& app, Context& context) {
   auto follow = std::make_shared<bool>(false);
   CLI::App* command = add_command(
       app, "log", "Show what a node's daemon and its CPU printed", "ringctl log left_knee -f",
-      "Of a ring that was started by 'ringctl up --detach', also after it has ended, until it is started again. "
-      "Without "
-      "--detach they print where 'ringctl up' was started. All nodes of a virtual ring print into one log.");
+      "Works if 'ringctl up --detach' has started the ring, also after the ring has ended, until it is started again. "
+      "Without --detach, they print where 'ringctl up' runs. All nodes of a virtual ring print into one log.");
   command->add_option("NODE", *node, "Name or id of the node")->required();
-  command->add_flag("-f,--follow", *follow, "Go on with what they print, until the ring ends or Ctrl-C");
+  command->add_flag("-f,--follow", *follow, "Keep printing, until the ring ends or Ctrl-C");
   command->callback([&context, node, follow] {
     context.action = [&context, node, follow] { return show(ring_of_logs(context.ring), *node, *follow); };
   });

@@ -177,7 +177,7 @@ std::string ring_text(const NewRing& ring) {
 void write(const fs::path& path, const std::string& text, bool force) {
   std::error_code error;
   if (!force && fs::exists(path, error))
-    throw UsageError(path.string() + " is there already, and nothing was written over it; --force does that");
+    throw UsageError(path.string() + " already exists and was not changed; --force overwrites it");
   if (const std::string problem =
           app::make_output_folder(path.parent_path().empty() ? "." : path.parent_path().string());
       !problem.empty())
@@ -192,7 +192,7 @@ void write(const fs::path& path, const std::string& text, bool force) {
 
 void print_nodes(const NewRing& ring, const config::RingConfig& config) {
   std::cout << "ring " << ring.name << ", " << config.nodes.size() << " nodes in this order:\n  body: ring_bridge, or "
-            << "whoever connects as its CPU\n";
+            << "another program that connects as its CPU\n";
   for (const NewNode& node : ring.nodes) std::cout << "  " << node.name << ": " << config::join(node.joints) << '\n';
   for (const auto& follower : config.followers)
     std::cout << "  " << follower.name << " follows " << follower.leader << ", without a motor\n";
@@ -211,7 +211,7 @@ void print_left_out(const UrdfJoints& urdf) {
     if (const std::string& type = urdf.joints.at(name).type; type == "floating" || type == "planar")
       left.push_back(name + " (" + type + ")");
   if (!left.empty())
-    std::cout << "left out, since one value does not say where they are: " << config::join(left) << '\n';
+    std::cout << "left out, because a ring drives only joints with one axis: " << config::join(left) << '\n';
 }
 
 int make(const NewOptions& options) {
@@ -220,7 +220,7 @@ int make(const NewOptions& options) {
   ring.robot = urdf.robot.empty() ? fs::path(options.urdf).filename().string() : urdf.robot;
   ring.name = options.name.empty() ? plain_name(ring.robot, "robot") : options.name;
   if (!config::is_ring_name(ring.name))
-    throw UsageError("--name: '" + ring.name + "' is no name of a ring: " + config::kRingNameRule);
+    throw UsageError("--name: '" + ring.name + "' is not a ring name; allowed: " + config::kRingNameRule);
   ring.package = options.package;
   ring.rate = options.rate;
   ring.nodes = nodes_of(urdf, options);
@@ -245,7 +245,7 @@ int make(const NewOptions& options) {
     std::error_code error;
     for (const auto& [path, text] : all)
       if (!options.force && fs::exists(path, error))
-        throw UsageError(path.string() + " is there already, and nothing was written; --force writes over it");
+        throw UsageError(path.string() + " already exists, and nothing was written; --force overwrites it");
     for (const auto& [path, text] : all) write(path, text, options.force);
     for (const auto& [path, text] : all)
       if (text.compare(0, 2, "#!") == 0)
@@ -273,22 +273,22 @@ void add_new(CLI::App& app, Context& context) {
   auto options = std::make_shared<NewOptions>();
   CLI::App* command =
       add_command(app, "new", "Write a ring's file, or a package, for a robot", "ringctl new robot.urdf",
-                  "Nodes stand along its kinematic chains and are named after its links; limb_firmware "
-                  "is their CPU. With --package a catkin package is written around it.");
+                  "The nodes follow the robot's kinematic chains and are named after its links. limb_firmware is their "
+                  "CPU. --package writes a catkin package around the ring.");
   command->add_option("ROBOT.urdf", options->urdf, "The robot's description; limits are read from it")->required();
   command->add_option("-o,--output", options->file, "The file to write; default: NAME.yaml in this folder");
   command->add_option("--name", options->name, "Name of the ring; default: the robot's");
-  command->add_option("--per-node", options->per_node, "Joints of a node at most, 1 to 32; default 3")
+  command->add_option("--per-node", options->per_node, "Most joints per node, 1 to 32; default 3")
       ->check(CLI::Range(std::size_t{1}, kMostJointsOfANode));
   command->add_flag("--per-chain", options->per_chain, "One node for each kinematic chain")->excludes("--per-node");
-  command->add_option("--rate", options->rate, "Hz of joint states, 1 to 1000; default 100")
+  command->add_option("--rate", options->rate, "Rate of joint states in Hz, 1 to 1000; default 100")
       ->check(CLI::Range(1.0, 1000.0));
   command
       ->add_option("--package", options->package,
                    "Write a catkin package of this name into a folder of this name: the ring, launch files, firmware "
                    "of one node in C++ and of one in Python, a controller and three kinds of test")
       ->excludes("--output");
-  command->add_flag("--force", options->force, "Write over files that are there");
+  command->add_flag("--force", options->force, "Overwrite existing files");
   command->callback([&context, options] { context.action = [options] { return make(*options); }; });
 }
 

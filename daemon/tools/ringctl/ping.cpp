@@ -100,13 +100,14 @@ void add_options(CLI::App& command, PingOptions& options) {
   command.add_option("--from", options.from, "Node that sends, id or name; default: the first that answers");
   command.add_option("-c,--count", options.count, "End after N packets, 1 to 1000000; default: at Ctrl-C (--json: 10)")
       ->transform(cli::whole(1, 1000000));
-  CLI::Option* interval = command
-                              .add_option("-i,--interval", options.interval_s,
-                                          "Time between two, 0 to 3600 s, as 5ms or 0.2; default 1s, with --json 0")
-                              ->transform(cli::seconds(0, 3600));
-  command.add_flag("-f,--flood", options.flood, "No time between: as one returns, the next")->excludes(interval);
-  command.add_flag("-q,--quiet", options.quiet, "Only the statistics at the end");
-  command.add_option("-s,--size", options.size, "Bytes in each, 1 to 512; default 512")
+  CLI::Option* interval =
+      command
+          .add_option("-i,--interval", options.interval_s,
+                      "Time between two packets, 0 to 3600 s, such as 5ms or 0.2; default 1s, with --json 0")
+          ->transform(cli::seconds(0, 3600));
+  command.add_flag("-f,--flood", options.flood, "Send the next as soon as one returns")->excludes(interval);
+  command.add_flag("-q,--quiet", options.quiet, "Print only the statistics at the end");
+  command.add_option("-s,--size", options.size, "Bytes in each packet, 1 to 512; default 512")
       ->transform(cli::whole(1, kMaxPayload));
   command.add_option("--priority", options.priority, "0 (highest) to 3; default 2")->transform(cli::whole(0, 3));
   command.add_option("--html", options.html, "At the end, write a page there: a histogram of the round trips");
@@ -122,7 +123,7 @@ void add_ping(CLI::App& app, Context& context) {
   auto options = std::make_shared<PingOptions>();
   CLI::App* command =
       add_command(app, "ping", "Send packets to a node, and print each round trip", "ringctl ping left_knee --count 5",
-                  "Goes on until Ctrl-C. The times are the daemon's, from the first byte that leaves to the matched "
+                  "Runs until Ctrl-C. The daemon takes the times, from the first byte that leaves to the matched "
                   "return.");
   add_options(*command, *options);
   add_json(*command, options->json);

@@ -123,7 +123,7 @@ void add_keep(CLI::App& record, Context& context) {
   CLI::App* command =
       add_command(record, "keep", "Save the recordings each time something goes wrong",
                   "ringctl record keep saves --when crash,promise",
-                  "Stays until the ring is taken down. 'ringctl up' does the same if the ring's file says recorder: "
+                  "Runs until the ring is taken down. 'ringctl up' does the same if the ring's file says recorder: "
                   "{save: ...}.");
   command->add_option("DIR", options->folder, "Each save is a folder in it, named by ring, date and reason")
       ->required();
@@ -139,8 +139,8 @@ void add_save(CLI::App& record, Context& context) {
   auto options = std::make_shared<RecordOptions>();
   CLI::App* command =
       add_command(record, "save", "Copy the recordings of all nodes", "ringctl record save what-happened",
-                  "Also copies those of dead nodes and of former lives. The ring goes on. Save before 'ringctl "
-                  "down', which removes the recordings.");
+                  "Includes dead nodes, and earlier runs of a node. The ring goes on. Save before 'ringctl down', "
+                  "which removes the recordings.");
   command->add_option("DIR", options->folder, "A new or empty folder")->required();
   command->callback([&context, options] { context.action = [options, &context] { return save(*options, context); }; });
 }
@@ -281,7 +281,7 @@ void add_record_check(CLI::App& app, Context& context) {
   CLI::App* command =
       add_command(app, "check", "Replay saved recordings, and judge the promises", "ringctl record check what-happened",
                   "Compares each byte and each event with what was recorded, and judges the promises over all "
-                  "nodes. Ends with 1 if this program does something else, or if a promise was broken.");
+                  "nodes. Exits with 1 if this program behaves differently, or if a promise was broken.");
   command->add_option("DIR", options->folder, "Folder of 'ringctl record save'")->required();
   command->add_option("--until", options->until_ns, "Stop N seconds after the first record, and print the state")
       ->transform(cli::nanoseconds(std::chrono::nanoseconds(0), std::chrono::seconds(1'000'000'000)));

@@ -218,18 +218,16 @@ void add_rings(CLI::App& command, ScenarioOptions& options) {
   auto* with_programs =
       command.add_flag("--virtual", options.with_programs,
                        "Under a virtual clock, with the programs of the ring's file as CPUs, in lockstep");
-  auto* live = command.add_flag("--live", options.live,
-                                "On live daemons: a ring of its own for each scenario, which meets no other");
+  auto* live = command.add_flag("--live", options.live, "On live daemons, in a separate ring for each scenario");
   sim->excludes(live)->excludes(with_programs);
   live->excludes(with_programs);
-  command
-      .add_option("--log", options.log, "Add what the programs print and the nodes log to this file, with --virtual")
+  command.add_option("--log", options.log, "With --virtual: append what programs print and nodes log to this file")
       ->needs(with_programs);
   command
       .add_flag("--scenario-cpus", options.scenario_cpus,
-                "scenario_cpu as the CPU of every node, which takes packets and sends none, with --virtual")
+                "With --virtual: the CPU of every node is scenario_cpu, which takes packets and sends none")
       ->needs(with_programs);
-  command.add_option("--transport", options.transport, "unix, shm or udp for all lines, with --live")
+  command.add_option("--transport", options.transport, "With --live: unix, shm or udp for all lines")
       ->transform(cli::one_of(config::transport_words()))
       ->needs(live);
 }
@@ -239,23 +237,25 @@ void add_outputs(CLI::App& command, ScenarioOptions& options) {
   CLI::Option* capture =
       command.add_option("--capture", options.capture, "Write the packets on all lines there, as pcapng for Wireshark");
   CLI::Option* perfetto =
-      command.add_option("--perfetto", options.perfetto, "Write them there as a timeline, which ui.perfetto.dev loads")
+      command.add_option("--perfetto", options.perfetto, "Write the packets there as a timeline for ui.perfetto.dev")
           ->excludes(capture);
   command.add_option("--html", options.html, "Write a page there: the states of each node over time, and the report")
       ->excludes(capture)
       ->excludes(perfetto);
-  command.add_flag("--outputs", options.outputs, "Also as they leave each node: 'ringctl traffic why' needs that")
+  command
+      .add_flag("--outputs", options.outputs,
+                "With --capture: also as they leave each node, which 'ringctl traffic why' needs")
       ->needs(capture);
 }
 
 void add_run(CLI::App& scenario, Context& context) {
   auto options = std::make_shared<ScenarioOptions>();
   CLI::App* command = add_command(scenario, "run", "Run scenarios", "ringctl scenario run walk.yaml --virtual",
-                                  "Ends with 1 if an expectation was not met.");
+                                  "Exits with 1 if an expectation was not met.");
   command->add_option("FILE", options->files, "Scenarios, YAML")->required();
   add_rings(*command, *options);
   add_outputs(*command, *options);
-  command->add_option("--seed", options->seed, "Instead of the files' own")
+  command->add_option("--seed", options->seed, "Seed, instead of the one in each file")
       ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
   add_json(*command, options->json);
   command->callback([&context, options] {

@@ -65,7 +65,8 @@ int run(const Context& context, const SendOptions& options) {
 
 const CLI::App& add_data_options(CLI::App& command, SendOptions& options) {
   CLI::App& data = *command.add_option_group("data", "What to send, one of:");
-  data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")->transform(cli::whole(1, kMaxPayload));
+  data.add_option("--size", options.size, "This many bytes (0, 1, 2 ...), 1 to 512")
+      ->transform(cli::whole(1, kMaxPayload));
   data.add_option("--data", options.text, "This text, 1 to 512 bytes");
   data.add_option("--hex", options.hex, "These bytes, two hexadecimal digits each");
   return data;
@@ -94,8 +95,9 @@ void add_send(CLI::App& app, Context& context) {
   command->add_option("-c,--count", options->count, "How many, 1 to 1000000; default 1")
       ->transform(cli::whole(1, 1000000));
   command
-      ->add_option("-i,--interval", options->interval_s,
-                   "Time between two, 0 to 3600 s, as 5ms or 0.2; default 0: as fast as they end")
+      ->add_option(
+          "-i,--interval", options->interval_s,
+          "Time between two packets, 0 to 3600 s, such as 5ms or 0.2; default 0: the next as soon as one has ended")
       ->transform(cli::seconds(0, 3600));
   const CLI::App& data = add_data_options(*command, *options);
   add_json(*command, options->json);

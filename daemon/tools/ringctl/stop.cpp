@@ -27,9 +27,10 @@ constexpr const char* kStopHelp =
     "An interrupt sends CPUs into their safe state. Without --from, nodes that the stop has not reached are asked to "
     "send it as well, so it reaches all nodes of this host also in an open chain, or in a ring that has folded into "
     "parts.\n"
-    "Ends with 0 if each CPU has said that it stopped, or was told while it ran and is of a kind that never says so "
-    "(not limb_firmware). Ends with 1 if the stop did not reach a node. Ends with 4 if nobody knows: the daemon of a "
-    "node does not answer, or its CPU was told and is silent, or did not run and comes up without the stop.";
+    "Exits with 0 if each CPU has confirmed that it stopped. For a CPU that never confirms (limb_firmware does) it is "
+    "enough that it ran and was told. Exits with 1 if the stop did not reach a node. Exits with 4 if nobody knows: the "
+    "daemon of a node does not answer, or its CPU was told and is silent, or did not run and comes up without the "
+    "stop.";
 
 nlohmann::json json_of(const std::vector<ask::KnownStop>& stops) {
   nlohmann::json list = nlohmann::json::array();

@@ -410,7 +410,7 @@ int run(const Context& context, const WhyOptions& options) {
 }
 
 void add_options(CLI::App& command, WhyOptions& options) {
-  command.add_option("FILE", options.file, "A capture, pcapng, of inputs and outputs; - is standard input");
+  command.add_option("FILE", options.file, "A pcapng capture of inputs and outputs; - is standard input");
   command.add_flag("--live", options.live, "Look at all lines of the running ring instead");
   command.add_option("--for", options.lasts_s, "With --live: how long; default 5s")
       ->transform(cli::seconds(0.001, 1e6));

@@ -45,14 +45,14 @@ void add_clock(CLI::App& app, Options& o) {
 std::optional<Options> parse_options(int argc, const char* const* argv) {
   Options o;
   CLI::App app{
-      "The network controller of one node of a limb_ring, and the keeper of its CPU.\n"
+      "Runs the network controller of one node of a ring, and starts its CPU.\n"
       "Usually started by roslaunch (ring.launch) or 'ringctl up'."};
   app.name("ringd");
   app.footer(cli::footer("", "ringd --config leg8.yaml --node left_knee",
                          "Exit codes: 0 ended as asked, 1 could not run, 2 wrong usage or configuration."));
   app.add_option("--config", o.config, "YAML file of the ring; without it a plain ring of --nodes nodes");
   app.add_option("--as-read", o.as_read,
-                 "Folder in which 'ringctl up' has kept the configuration as it read it: so it is read, by CPUs too");
+                 "Folder in which 'ringctl up' has kept the configuration; the daemon and its CPU read it from there");
   app.add_option("--node", o.node, "This node: its id or name");
   app.add_option("--index", o.index, "This node: its place in ring order, from 0 (instead of --node)")
       ->transform(cli::whole(0, config::kMostNodes - 1));
@@ -61,10 +61,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--ring", o.ring, "Name of the ring (default: the configuration's, or 'plain')");
   app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
       ->transform(cli::one_of(config::transport_words()));
-  app.add_flag("--one-host", o.one_host, "All nodes are on this machine, whatever hosts the configuration gives");
+  app.add_flag("--one-host", o.one_host, "Run all nodes on this machine, even if the configuration has hosts");
   add_clock(app, o);
   app.add_flag("--record", o.record,
-               "Record all that goes into the network controller and comes out: 'ringctl record'");
+               "Record what goes into the network controller and what comes out, for 'ringctl record'");
   app.add_flag("--options", o.list_options, "Print every entry of the YAML file, and end");
   try {
     const auto asked = cli::read(app, {argv + 1, argv + argc});
