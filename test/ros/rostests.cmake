@@ -88,7 +88,9 @@ ring_rostest(side_by_side 300)
 recording_rostest(walking_recording 300 HUMANOID icub_walking/walking.csv)
 recording_rostest(recorded_topics 300 realsense_frames/frames jsk_force_torque)
 
-# Packages that `ringctl new` writes, of an arm and of a quadruped of others, built and tested outside the tree.
+# Packages that `ringctl new` writes, of an arm, of a quadruped and of a mobile arm with wheels, a lift and a hand (25 nodes) of
+# others, built and tested outside the tree.
 add_test(NAME new_package COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/new_package.py $<TARGET_FILE:ringctl>
-  ${CATKIN_DEVEL_PREFIX} "${CMAKE_PREFIX_PATH}" ${recordings}/robots/ur5_robot.urdf ${recordings}/robots/go2.urdf)
+  ${CATKIN_DEVEL_PREFIX} "${CMAKE_PREFIX_PATH}" ${recordings}/robots/ur5_robot.urdf ${recordings}/robots/go2.urdf
+  ${recordings}/robots/tiago.urdf)
 set_tests_properties(new_package PROPERTIES TIMEOUT 600 COST 90 SKIP_REGULAR_EXPRESSION "skipped: ")
