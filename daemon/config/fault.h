@@ -42,7 +42,8 @@ enum class Name {
   crash,
   slow,
   not_reading,
-  babble
+  babble,
+  mute
 };
 
 /// What a fault hits.
@@ -69,6 +70,7 @@ enum class ToCpu : std::uint8_t {
   stop,         ///< it neither reads nor sends
   read_slowly,  ///< it takes one packet in each period `every`; 0: none
   babble,       ///< it sends all it can, or one packet in each period
+  mute,         ///< what it asks to be sent is discarded
   cure,         ///< what it has of those above ends
   restart,
   crash
@@ -119,7 +121,7 @@ constexpr Word kWords[] = {
      bit_of(Name::thaw) | kPowerOff},
     {Name::thaw, "thaw", Of::node, 0, "a frozen node continues where it stopped"},
     {Name::hang, "hang", Of::cpu, kFor, "the CPU neither reads nor sends", 0, ToCpu::stop, kCured, true},
-    {Name::resume, "resume", Of::cpu, 0, "ends hang, slow, babble and not_reading", 0, ToCpu::cure},
+    {Name::resume, "resume", Of::cpu, 0, "ends hang, slow, not_reading, babble and mute of a CPU", 0, ToCpu::cure},
     {Name::reset, "reset", Of::cpu, 0, "restarts the CPU, as its reset pin does", 0, ToCpu::restart},
     {Name::crash, "crash", Of::cpu, 0, "the program of the CPU crashes; its owner starts it again", 0, ToCpu::crash},
     {Name::slow, "slow", Of::cpu, kFor | kEvery, "the CPU reads one packet per period", kEvery, ToCpu::read_slowly,
@@ -130,6 +132,8 @@ constexpr Word kWords[] = {
      "the CPU broadcasts packets of the largest size at the highest priority: one per period, or without `every` all "
      "it can",
      0, ToCpu::babble, kCured},
+    {Name::mute, "mute", Of::cpu, kFor,
+     "the CPU runs and reads; all packets and interrupts that it sends are discarded", 0, ToCpu::mute, kCured, true},
 };
 
 inline const Word& word_of(Name name) { return kWords[static_cast<std::size_t>(name)]; }

@@ -38,7 +38,21 @@ void ClientCalls::hear(const client::SendRequest& request) {
   }
 }
 
+namespace {
+
+/// Rejected, not kept waiting: who sends as the last one ends must neither stand still nor spin.
+Result discarded(std::uint32_t token) {
+  Result result;
+  result.token = token;
+  result.why = Reason::no_way_out;
+  result.reason = "the CPU is mute, a fault on purpose";
+  return result;
+}
+
+}  // namespace
+
 void ClientCalls::on_send(host::ClientId client, const client::SendRequest& request) {
+  if (is_cpu(client) && to_.cpu.send_gate().discards()) return to_.host.result(client, discarded(request.token));
   if (is_cpu(client)) hear(request);
   core::SendRequest send;
   send.owner = SendOwner::of(client).to_core();
@@ -52,6 +66,7 @@ void ClientCalls::on_send(host::ClientId client, const client::SendRequest& requ
 }
 
 void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptRequest& request) {
+  if (is_cpu(client) && to_.cpu.send_gate().discards()) return to_.host.result(client, discarded(request.token));
   const bool to_all = request.destination == wire::kBroadcast;
   if (to_all && !request.force && config::ring_has_reset_on(to_.ring, request.factor)) {
     Result result;

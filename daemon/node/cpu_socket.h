@@ -32,6 +32,24 @@ class ReadThrottle {
   core::Time last_{};
 };
 
+/// Whether what a node's CPU asks to be sent reaches the network controller. (ours: a CPU made mute on purpose)
+class SendGate {
+ public:
+  void open() { shut_ = false; }
+  /// Counts from 0.
+  void shut() {
+    shut_ = true;
+    discarded_ = 0;
+  }
+  /// The CPU asks for one: whether it is discarded, and counted.
+  bool discards() { return shut_ && ++discarded_ != 0; }
+  std::uint64_t discarded() const { return discarded_; }
+
+ private:
+  bool shut_ = false;
+  std::uint64_t discarded_ = 0;
+};
+
 /// Where the node's CPU sits: between the network controller, the host port and the process.
 /// A node without a CPU has a built-in sink that reads and counts.
 class CpuSocket final : private CpuEvents {
@@ -55,6 +73,7 @@ class CpuSocket final : private CpuEvents {
   /// Hands over what the receive buffers hold, by priority, as far as the CPU takes it.
   void hand_over();
   ReadThrottle& read_throttle() { return read_throttle_; }
+  SendGate& send_gate() { return send_gate_; }
 
   /// @name Pins
   ///@{
@@ -105,6 +124,7 @@ class CpuSocket final : private CpuEvents {
   CpuWatch watch_;
   CpuProcess process_;
   ReadThrottle read_throttle_;
+  SendGate send_gate_;
   std::unique_ptr<event_loop::Timer> next_read_;
   core::CpuReport reported_;
   Stop stop_;

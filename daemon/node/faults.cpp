@@ -221,6 +221,9 @@ void CpuFaults::begin(const Fault& fault, const Done& done) {
     case ToCpu::babble:
       babbling_.start(fault.every);
       break;
+    case ToCpu::mute:
+      cpu_.send_gate().shut();
+      break;
     case ToCpu::nothing:
       break;
   }
@@ -240,6 +243,9 @@ void CpuFaults::end(ToCpu what, const Done& done) {
     case ToCpu::babble:
       babbling_.stop();
       break;
+    case ToCpu::mute:
+      cpu_.send_gate().open();
+      break;
     case ToCpu::restart:
     case ToCpu::crash:
     case ToCpu::nothing:
@@ -250,10 +256,14 @@ void CpuFaults::end(ToCpu what, const Done& done) {
 
 void CpuFaults::free_socket() {
   babbling_.stop();
+  cpu_.send_gate().open();
   read_on();
 }
 
-std::uint64_t CpuFaults::hits(ToCpu what) const { return what == ToCpu::babble ? babbling_.sent() : 1; }
+std::uint64_t CpuFaults::hits(ToCpu what) const {
+  if (what == ToCpu::mute) return cpu_.send_gate().discarded();
+  return what == ToCpu::babble ? babbling_.sent() : 1;
+}
 
 void CpuFaults::wait(std::function<bool()> condition, const std::string& otherwise, const Done& done) {
   wait_until(io_, alive_, std::move(condition), kPatience, [otherwise, done](bool met) { done(met ? "" : otherwise); });

@@ -53,6 +53,7 @@ void Cpus::begin(const fault::Fault& fault, NodeId id) {
     case ToCpu::babble:
       ++cpus_[id].generation;  // it takes the place of one before
       return;
+    case ToCpu::mute:
     case ToCpu::nothing:
       return;
   }
@@ -68,6 +69,8 @@ void Cpus::end(fault::Name fault, NodeId id) {
       return is_hung(id) ? void() : read(id, true);
     case ToCpu::babble:
       ++cpus_[id].generation;
+      return;
+    case ToCpu::mute:
       return;
     case ToCpu::cure:
     case ToCpu::restart:

@@ -60,7 +60,7 @@ TEST(FaultWords, ComeBackAsTheyWere) {
 
 TEST(FaultWords, AreInTheOrderOfTheirNames) {
   for (std::size_t i = 0; i < std::size(kWords); ++i) EXPECT_EQ(kWords[i].name, static_cast<Name>(i));
-  EXPECT_EQ(kWords[std::size(kWords) - 1].name, Name::babble);
+  EXPECT_EQ(kWords[std::size(kWords) - 1].name, Name::mute);
 }
 
 TEST(FaultWords, EndWhatLastsAndKnowAllThatEndsIt) {

@@ -298,6 +298,27 @@ class Cpus(FaultTest):
         self.assertEqual(self.ping(0, 2, 200)['delivered'], 200)
         self.assertLess(self.counters(1)['sent_data'] - sent, 100, 'beacons alone')
 
+    def test_what_a_mute_cpu_sends_is_discarded_and_counted_while_it_reads_and_until_it_is_over(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes)
+        cpu, tool = self.port(1, role='cpu'), self.port(1)
+        mute = self.begin('mute', 'node1')
+        result = cpu.wait(cpu.send(0, b'x'))
+        self.assertEqual((result.outcome, result.reason), ('rejected', 'the CPU is mute, a fault on purpose'))
+        self.assertEqual(cpu.wait(cpu.interrupt(0, 3)).outcome, 'rejected')
+        self.assertEqual(self.listed()[mute[0]]['hits'], 2)
+        self.assertEqual(tool.wait(tool.send(0, b'x')).outcome, 'delivered', 'that is not its CPU')
+        other = self.port(0)
+        self.assertEqual(other.wait(other.send(1, b'x')).outcome, 'delivered', 'it reads')
+        self.fault('remove', mute[0])
+        self.assertEqual(cpu.wait(cpu.send(0, b'x')).outcome, 'delivered')
+        for end in (['resume', 'node1'], ['clear']):
+            self.begin('mute', 'node1')
+            self.assertEqual(cpu.wait(cpu.send(0, b'x')).outcome, 'rejected')
+            self.fault(*end)
+            self.assertEqual(cpu.wait(cpu.send(0, b'x')).outcome, 'delivered')
+
     def test_a_node_without_a_process_has_nothing_to_hang(self):
         self.start_ring(plain_nodes(2))
         self.assertIn('hang node1: no CPU is there', self.fault('hang', 'node1', code=1))
@@ -309,7 +330,7 @@ class Words(FaultTest):
     def test_help_has_one_line_for_every_fault(self):
         text = self.ctl('fault', '--help').stdout
         for word in ('cut heal drop corrupt truncate duplicate reorder delay rate stall flap kill start power_cycle '
-                     'freeze thaw hang resume reset crash slow not_reading babble list remove clear').split():
+                     'freeze thaw hang resume reset crash slow not_reading babble mute list remove clear').split():
             self.assertRegex(text, r'(?m)^  %s +\S' % re.escape(word))
 
     def test_help_of_a_fault_says_what_has_to_be_given(self):

@@ -185,14 +185,14 @@ steps:
                 done = self.ctl('scenario', 'run', way, file)
                 self.assertEqual(done.returncode, 0, way + done.stdout + done.stderr)
 
-    def test_every_fault_of_a_node_or_a_cpu_changes_something_and_ends_with_models_and_with_programs(self):
+    def test_every_fault_of_a_node_or_a_cpu_changes_something_and_ends_on_all_stages(self):
         file, = glob.glob(os.path.join(SCENARIOS, '41-*.yaml'))
         with open(file) as story:
             played = re.findall(r'do: {(\w+):', story.read())
         words = re.findall(r'(?m)^  (\w+) +\S', self.ctl('fault', '--help').stdout.split('list  ')[0])
         of_lines = 'cut heal drop corrupt truncate duplicate reorder delay rate stall flap'.split()
         self.assertEqual(set(words) - set(of_lines) - set(played), set())
-        for way in ('--sim', '--virtual'):
+        for way in ('--sim', '--virtual', '--live'):
             done = self.ctl('scenario', 'run', way, file)
             self.assertEqual(done.returncode, 0, way + done.stdout + done.stderr)
 

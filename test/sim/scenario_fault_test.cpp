@@ -155,6 +155,17 @@ TEST(Faults, ASecondBabbleTakesThePlaceOfTheFirst) {
       "");
 }
 
+TEST(Faults, AMuteCpuReadsAndAsksForNothingUntilItIsOver) {
+  const std::string said = "  - do: {send: {name: y, from: node2, to: node0, size: 8}}\n";
+  EXPECT_EQ(unmet_of(after_joining("{mute: {nodes: node2, for: 1s}}",
+                                   kSend + said +
+                                       "  - {when: {taken: x, at_least: 1}, within: 7us}\n"
+                                       "  - {after: 500ms, when: {taken: y, at_most: 0}, within: 0s}\n"
+                                       "  - after: 1s\n    " +
+                                       said.substr(4) + "  - {when: {taken: y, at_least: 1}, within: 7us}\n")),
+            "");
+}
+
 TEST(Faults, ACpuThatIsResumedWhileItBootsTakesPacketsOnceItHasBooted) {
   EXPECT_EQ(unmet_of(after_joining("{reset: node2}",
                                    "  - {after: 5ms, do: {resume: node2}}\n"
