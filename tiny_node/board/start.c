@@ -1,6 +1,7 @@
 /* Vectors and memory of a Cortex-M3 before main(). */
 #include <stdint.h>
 
+/* Of the linker; the size of what lies between two of them is a difference of addresses, not of pointers. */
 extern uint32_t data_from[], data_begin[], data_end[], bss_begin[], bss_end[], stack_top[];
 int main(void);
 void systick(void);
@@ -8,10 +9,11 @@ void uart(void);
 void watchdog(void);
 void start(void);
 
+static uintptr_t words(const uint32_t* begin, const uint32_t* end) { return ((uintptr_t)end - (uintptr_t)begin) / 4; }
+
 void start(void) {
-  const uint32_t* from = data_from;
-  for (uint32_t* to = data_begin; to < data_end; to++) *to = *from++;
-  for (uint32_t* to = bss_begin; to < bss_end; to++) *to = 0;
+  for (uintptr_t i = words(data_begin, data_end); i-- > 0;) data_begin[i] = data_from[i];
+  for (uintptr_t i = words(bss_begin, bss_end); i-- > 0;) bss_begin[i] = 0;
   main();
 }
 
