@@ -129,7 +129,7 @@ class Faults(unittest.TestCase):
 
     def test_what_cannot_be_says_why(self):
         self.assertIn("did you mean 'left_knee'", self.inject(fault='hang left_kneee').message)
-        self.assertIn('a line from a node to the next', self.inject(fault='cut head:left_knee').message)
+        self.assertIn('a line from one node to the next', self.inject(fault='cut head:left_knee').message)
         self.assertIn('this bridge', self.inject(fault='hang body').message)
         self.assertIn('any more', self.clear(id='left_knee.99').message)
         self.assertFalse(self.inject(fault='').success)
