@@ -211,10 +211,10 @@ void Node::heard(const Packet& packet, const std::optional<wire::Hello>& hello,
   peer.heard = now;
   if (hello) return;
   const auto& before = peer.beacon;
-  const bool news = !before || before->cpu_boots != beacon->cpu_boots || before->cpu_state != beacon->cpu_state ||
-                    before->input != beacon->input || before->input_from != beacon->input_from ||
-                    before->output != beacon->output || before->output_to != beacon->output_to ||
-                    before->break_known != beacon->break_known;
+  const bool news = !before || before->boot != beacon->boot || before->cpu_boots != beacon->cpu_boots ||
+                    before->cpu_state != beacon->cpu_state || before->input != beacon->input ||
+                    before->input_from != beacon->input_from || before->output != beacon->output ||
+                    before->output_to != beacon->output_to || before->break_known != beacon->break_known;
   peer.beacon = beacon;
   const bool folds = beacon->input == wire::LinkState::folded || beacon->output == wire::LinkState::folded;
   if (folds)
