@@ -70,6 +70,11 @@ bool Arrivals::match(std::uint8_t receiver, const Pending& came, bool all_asked)
   }
   sent->taken_in(receiver) = came.life;
   sent->taken_at = seen.at_ns;
+  // It may have been one that was asked for unseen: then this one is still to come.
+  if (!certain(receiver, came))
+    ++ring_.at(receiver)
+          .former[SeenRing::key(*ring_.find_flow(seen.source, seen.queue, sent->asked.destination), seen)]
+          .untaken;
   return true;
 }
 

@@ -173,6 +173,24 @@ TEST_F(JudgeTest, equalBroadcastsBehindOneThatSomeRefusedBreakNothing) {
   EXPECT_THAT(broken(), IsEmpty());
 }
 
+// What comes first is found to be the first send that was seen, so each later one is found to be the one behind it,
+// until no other can be under way any more.
+TEST_F(JudgeTest, aStreamOfEqualDataBehindOneThatWasAskedForUnseenBreaksNothing) {
+  judge.lost(1, 10);
+  ask(1, 2, 5, 77);
+  take(2, 1, 77);
+  for (std::uint32_t token = 6; token < 66; ++token) {
+    ask(1, 2, token, 77);
+    take(2, 1, 77);
+    end(1, 2, token - 1, Outcome::delivered);
+    rounds(1);
+  }
+  take(2, 1, 77);
+  end(1, 2, 65, Outcome::delivered);
+  rounds(40);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
 TEST_F(JudgeTest, sendsThatWereCancelledBeforeTheyWereSentExcuseNothing) {
   for (std::uint32_t token = 5; token < 8; ++token) {
     ask(1, 2, token, 77);
