@@ -107,7 +107,8 @@ bool HostServer::make_room(pid_t comer, bool greeted) {
     if (!one->attached()) return !greeted && one != booting_cpu_;
     if (one == cpu_ || (greeted && one->info().asks_only)) return false;
     const pid_t holder = one->info().pid;
-    return one->idle_for() >= kIdleFor || (holder != comer && places[holder] > options_.max_clients / 2);
+    return one->idle_for() >= kIdleFor ||
+           (holder != comer && places[holder] > (options_.max_clients + kKeptPlaces) / 2);
   };
   const Session* goes = nullptr;
   for (const auto& [id, session] : sessions_)

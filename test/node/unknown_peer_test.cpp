@@ -233,16 +233,16 @@ TEST_F(UnknownPeer, OfAProcessThatHoldsMostPlacesMakesRoomForAnotherProcess) {
   const pid_t other = ::fork();
   if (other == 0) {
     std::vector<RawClient> all;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 8; ++i) {
       all.emplace_back("r", "3");
-      all.back().say(client::Greeting{});
+      all.back().say(i < 4 ? client::Greeting{} : asking());
       all.back().say(client::ObserveRequest{"{}"});
     }
     for (;;) ::pause();
   }
-  until([&] { return handler.observers.size() == 4; });
+  until([&] { return handler.observers.size() == 8; });
   const HostPort one = tool(), two = tool();
-  EXPECT_THAT(test::thrown<HostPortError>([&] { tool(); }), HasSubstr("limits.clients")) << "half of them are ours";
+  EXPECT_THAT(test::thrown<HostPortError>([&] { tool(); }), HasSubstr("limits.clients")) << "it holds 6 of 12 now";
   EXPECT_EQ(server->counters().displaced, 2u);
   ::kill(other, SIGKILL);
   ::waitpid(other, nullptr, 0);

@@ -3,37 +3,45 @@
 import os
 import resource
 import socket
-import struct
+import subprocess
+import sys
 
 import ring_process
 from ring_process import RingTest, plain_nodes
 from limb_ring import HostPortError
 
-ASKS_ONLY = 8
+# Half of the 2 places and the 8 that are kept, for clients that say they only ask, and observe.
+HOLD = '''
+import socket, struct, sys
+def frame(kind, body):
+    return struct.pack('>IB', 1 + len(body), kind) + body
+asks_only, all = 8, []
+for _ in range(5):
+    client = socket.socket(socket.AF_UNIX)
+    client.connect(sys.argv[1])
+    client.sendall(frame(1, struct.pack('>IHBBIIH', 0x4C524850, 3, 0, asks_only, 0, 0, 0)))
+    assert client.recv(5)[4] == 0x81, 'not welcome'
+    client.sendall(frame(6, b'{"kinds": ["state"]}'))
+    all.append(client)
+print('held', flush=True)
+sys.stdin.read()
+'''
 
 
 class FullPort(RingTest):
     def fill(self, node):
-        """Takes its two places."""
+        """Takes its two places, with clients that are not idle."""
         for _ in range(2):
-            self.port(node)
+            self.port(node).observe('state')
 
     def fill_kept_places(self, node):
-        """Takes all places there are, also those that are kept for who only asks."""
-        body = struct.pack('>IHBBIIH', 0x4C524850, 3, 0, ASKS_ONLY, 0, 0, 0)
-        for _ in range(100):
-            client = socket.socket(socket.AF_UNIX)
-            self.addCleanup(client.close)
-            client.settimeout(ring_process.GUARD)
-            client.connect(self.socket_of(node))
-            try:
-                client.sendall(struct.pack('>IB', 1 + len(body), 1) + body)
-                answer = client.recv(5)
-            except OSError:  # refused before it has greeted
-                return
-            if answer[4] == 0x82:  # refused
-                return
-        self.fail('node %s takes any number of clients' % node)
+        """Takes all places there are, also those that are kept for who only asks, for two processes: one that holds
+        more than half of them makes room for others."""
+        for _ in range(2):
+            holder = subprocess.Popen([sys.executable, '-c', HOLD, self.socket_of(node)], stdin=subprocess.PIPE,
+                                      stdout=subprocess.PIPE)
+            self.addCleanup(holder.communicate)  # it ends with its input
+            self.assertEqual(holder.stdout.readline(), b'held\n')
 
     def test_can_still_be_asked_and_stopped(self):
         self.start_ring(plain_nodes(3), limits={'clients': 2})
