@@ -172,7 +172,7 @@ const Section<Limits>& limits_section() {
       integer_option(
           "clients", &Limits::clients, {1, 1024},
           "How many programs may be connected to one host port at a time. The CPU, and tools that only ask (ringctl "
-          "stop), do not count."),
+          "stop), do not count. If all places are taken, a program that has asked for nothing for 2 s makes room."),
   };
   return section;
 }
