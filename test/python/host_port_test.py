@@ -1,4 +1,5 @@
 """HostPort on a live ring: what is sent, received and refused, deadlines, other threads."""
+import pydoc
 import select
 import threading
 import time
@@ -301,3 +302,9 @@ def test_messages_show_what_they_are(ring):
 def test_everything_has_a_docstring():
     for kind in HostPort, limb_ring.Ring:
         assert [name for name, what in vars(kind).items() if name[0] != '_' and not what.__doc__] == []
+
+
+def test_every_argument_has_a_name():
+    nameless = [name for name in limb_ring.__all__
+                if 'arg0' in pydoc.render_doc(getattr(limb_ring, name), renderer=pydoc.plaintext)]
+    assert nameless == []
