@@ -153,18 +153,18 @@ std::vector<std::string> urdf_warnings(const Document& document) {
   take_usual_limits(slides);
   const auto taken_as = [&](double JointConfig::*limit, const char* angular, const char* linear) {
     return " (taken as " + format_real(turns.*limit) + angular + ", or " + format_real(slides.*limit) + linear +
-           ") of ";
+           ") for ";
   };
   const std::map<std::string, std::string> words{
-      {"lower", "lower and upper" + taken_as(&JointConfig::upper, " rad", " m both ways")},
-      {"velocity", "velocity" + taken_as(&JointConfig::velocity, " rad/s", " m/s")},
-      {"effort", "effort" + taken_as(&JointConfig::effort, " N m", " N")},
-      {"range", "any motion, since lower is upper, of "},
-      {"far", "values that fit into packets (taken as " + format_real(kPositions.most) + ") for "}};
+      {"lower", "no lower and upper" + taken_as(&JointConfig::upper, " rad", " m both ways")},
+      {"velocity", "no velocity" + taken_as(&JointConfig::velocity, " rad/s", " m/s")},
+      {"effort", "no effort" + taken_as(&JointConfig::effort, " N m", " N")},
+      {"range", "no motion, because lower equals upper, for "},
+      {"far", "values that do not fit into packets (cut to " + format_real(kPositions.most) + " both ways) for "}};
   std::string all;
   for (const auto& [what, joints] : document.not_said) all += (all.empty() ? "" : "; ") + words.at(what) + join(joints);
   if (all.empty()) return {};
-  return {document.urdf.path + " does not give " + all + ". Give it there, or with the joint in the ring's file"};
+  return {document.urdf.path + " has " + all + ". Give them there, or with the joint in the ring's file"};
 }
 
 void take_followers(const UrdfJoints& urdf, RingConfig& ring) {

@@ -113,10 +113,11 @@ TEST_F(Urdf, ThatLeavesLimitsOpenIsTakenWithOneWarningThatNamesTheJoints) {
   EXPECT_EQ(
       ring.warnings[0],
       folder_ +
-          "/robot.urdf does not give effort (taken as 50 N m, or 500 N) of a, b, c; values that fit into packets "
-          "(taken as 2147) for e.lower, e.effort; lower and upper (taken as 3.14 rad, or 1 m both ways) of d; any "
-          "motion, since lower is upper, of f; velocity (taken as 6 rad/s, or 1 m/s) of a, c, d. Give it there, or "
-          "with the joint in the ring's file");
+          "/robot.urdf has no effort (taken as 50 N m, or 500 N) for a, b, c; values that do not fit into packets (cut "
+          "to 2147 both ways) for e.lower, e.effort; no lower and upper (taken as 3.14 rad, or 1 m both ways) for d; "
+          "no "
+          "motion, because lower equals upper, for f; no velocity (taken as 6 rad/s, or 1 m/s) for a, c, d. Give them "
+          "there, or with the joint in the ring's file");
   const auto& joints = ring.nodes[0].joints;
   EXPECT_EQ(joints[0].effort, 50);
   EXPECT_EQ(joints[1].effort, 500);

@@ -87,7 +87,7 @@ class NewRing(RingTest):
         panda = self.new('panda.urdf')
         self.assertIn('panda_finger_joint2 follows panda_finger_joint1, without a motor', panda.stdout)
         unknown = self.new('bravo7_gripper.urdf')
-        self.assertRegex(unknown.stderr, 'warning: .*bravo7_gripper.urdf does not give .*velocity .* of joint1, ')
+        self.assertRegex(unknown.stderr, 'warning: .*bravo7_gripper.urdf has .*no velocity .* for joint1, ')
 
     def test_checks_scenarios_and_urdfs_too_and_says_all_that_is_wrong(self):
         scenario = self.write('s.yaml', 'scenario: s\nnodes: 3\nsteps: []\n')
