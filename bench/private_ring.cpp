@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -61,17 +62,12 @@ live::LaunchRequest launch_of(const config::RingConfig& ring, const RingRequest&
   return launch;
 }
 
-bool node_is_ready(const nlohmann::json& status, const config::RingConfig& ring, const config::NodeConfig& node) {
-  const bool in_ring = status.value("state", "") == "up" && status.value("ring_size", 0u) == ring.nodes.size();
-  if (node.cpu.kind != config::CpuConfig::Kind::child) return in_ring;
-  return in_ring && status.at("cpu").value("state", "") == "running";
+bool node_is_ready(const ask::ToldRow& row, const config::RingConfig& ring) {
+  if (!row.said || row.said->state != "up" || row.said->ring_size != ring.nodes.size()) return false;
+  return row.said->cpu.kind != "child" || row.said->cpu.state == "running";
 }
 
 }  // namespace
-
-nlohmann::json ask(HostPort& port, const nlohmann::json& request) {
-  return nlohmann::json::parse(port.ask(request.dump(), kAnswerTime));
-}
 
 PrivateRing::PrivateRing(const Setup& setup, const RingRequest& request)
     : config_(configure(setup, request)), daemons_(launch_of(config_, request)) {
@@ -98,21 +94,16 @@ void PrivateRing::require_running() {
   if (const auto* ended = daemons_.first_ended()) throw std::runtime_error(ended->exit_reason());
 }
 
-bool PrivateRing::closed() {
-  for (std::size_t i = 0; i < config_.nodes.size(); ++i) {
-    try {
-      HostPort port = connect(i);
-      if (!node_is_ready(ask(port, {{"do", "status"}}), config_, config_.nodes[i])) return false;
-    } catch (const HostPortError&) {
-      return false;  // not there yet
-    }
-  }
-  return true;
+std::vector<ask::ToldRow> PrivateRing::rows() const {
+  std::vector<ask::Node> nodes;
+  for (const config::NodeConfig& node : config_.nodes) nodes.push_back({node.id, node.name});
+  return ask::RingClient(config_.ring, nodes).status(steady_clock::now() + kAnswerTime);
 }
 
 void PrivateRing::wait_until_closed(const Setup& setup) {
   const auto deadline = steady_clock::now() + kClosingTime;
-  while (!closed()) {
+  const auto is_ready = [this](const ask::ToldRow& row) { return node_is_ready(row, config_); };
+  for (auto now = rows(); !std::all_of(now.begin(), now.end(), is_ready); now = rows()) {
     setup.poll();
     require_running();
     if (steady_clock::now() > deadline)
@@ -133,12 +124,9 @@ HostPort PrivateRing::connect(std::size_t index, Role role) const {
 
 std::vector<pid_t> PrivateRing::processes() {
   std::vector<pid_t> all;
-  for (std::size_t i = 0; i < daemons_.all().size(); ++i) {
-    all.push_back(daemons_.all()[i].program.pid());
-    HostPort port = connect(i);
-    const nlohmann::json cpu = ask(port, {{"do", "status"}}).at("cpu");
-    if (cpu.value("kind", "") == "child") all.push_back(cpu.at("pid").get<pid_t>());
-  }
+  for (const live::LaunchedDaemon& daemon : daemons_.all()) all.push_back(daemon.program.pid());
+  for (const ask::ToldRow& row : rows())
+    if (row.said && row.said->cpu.kind == "child" && row.said->cpu.pid) all.push_back(*row.said->cpu.pid);
   return all;
 }
 

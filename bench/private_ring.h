@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
 #include "ring/launched_ring.h"
+#include "ring/ring_client.h"
 
 namespace limb_ring::bench {
 
@@ -39,16 +39,13 @@ class PrivateRing {
 
  private:
   void wait_until_closed(const Setup& setup);
-  bool closed();
+  std::vector<ask::ToldRow> rows() const;
   void require_running();
   void end();
 
   config::RingConfig config_;
   live::LaunchedRing daemons_;
 };
-
-/// The daemon's answer to a request. @throw HostPortError
-nlohmann::json ask(HostPort& port, const nlohmann::json& request);
 
 /// What the kernel alone takes: as many processes in a ring of UNIX stream sockets, each reading
 /// what came (up to 64 KiB) and writing it downstream, blocking, with no protocol. The packets are

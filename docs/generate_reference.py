@@ -76,6 +76,15 @@ def launch_page():
     return page.rstrip() + '\n'
 
 
+def status_page(programs):
+    return ('# A node\'s status row\n\n' + WRITTEN +
+            '`ringctl status --json` prints a row of each node, and a daemon answers one to the request `status`\n'
+            '([requests.md](requests.md)). `ringctl status --fields` prints this table. "or null", "or left out": where there\n'
+            'is no value; who reads a row takes both for the same.\n\n'
+            '| member | is | always there | meaning |\n|---|---|---|---|\n' +
+            output_of(os.path.join(programs, 'ringctl'), 'status', '--fields') + '\n')
+
+
 def signature_of(thing):
     try:
         return re.sub(r'<object object at 0x[0-9a-f]+>', '...', str(inspect.signature(thing)))  # its address is another each time
@@ -136,7 +145,8 @@ def main():
     arguments.add_argument('--programs', required=True)
     arguments.add_argument('--check', action='store_true')
     options = arguments.parse_args()
-    pages = {'commands.md': commands_page(options.programs), 'launch.md': launch_page(), 'python.md': python_page()}
+    pages = {'commands.md': commands_page(options.programs), 'launch.md': launch_page(), 'python.md': python_page(),
+             'status.md': status_page(options.programs)}
     stale = []
     for name, text in pages.items():
         path = os.path.join(HERE, 'reference', name)

@@ -5,14 +5,13 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
+#include "ring/ring_client.h"
 
 namespace limb_ring::bridge {
 
@@ -49,7 +48,7 @@ class CpuBoots {
 /// those of the others that run on this host. One thread.
 class RingWatch {
  public:
-  /// `daemon` says how to reach the daemon of the bridge's own node; its role is ignored.
+  /// @param daemon how to reach the daemon of the bridge's own node: ring, node and runtime
   RingWatch(const config::RingConfig& ring, const ConnectOptions& daemon);
 
   /// States, CPUs and boots as text, as told by the own node and the beacons that it hears. The costlier poll() is
@@ -61,21 +60,14 @@ class RingWatch {
   std::vector<std::uint8_t> take_restarted() { return std::exchange(restarted_, {}); }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  struct Peer {
-    std::optional<HostPort> port;
-    Clock::time_point next_try{};
-    std::string told;  ///< what was wrong with its last answer; empty: nothing
-  };
-  void notice_boots(const nlohmann::json& own);
-  bool is_frozen(const std::string& node) const;
-  std::optional<nlohmann::json> ask(const std::string& node);
-  /// Says once what is wrong with the answer.
-  static bool is_right(const nlohmann::json& row, const std::string& node, Peer& peer);
+  void notice_boots(const status::NodeRow& own);
+  /// Says once what is wrong with an answer.
+  void tell(std::size_t node, const ask::ToldRow& row);
 
   const config::RingConfig& ring_;
-  ConnectOptions daemon_;
-  std::map<std::string, Peer> peers_;  // by name
+  ask::RingClient client_;
+  std::size_t own_;                // place of the bridge's own node
+  std::vector<std::string> told_;  // what was wrong with the last answer of each; empty: nothing
   CpuBoots boots_;
   std::vector<std::uint8_t> restarted_;
 };

@@ -186,9 +186,9 @@ bool FaultServices::list(ListFaults::Request&, ListFaults::Response& response) {
     const live::FaultList list = faults_.list();
     for (const std::string& problem : list.unknown) append(response.message, problem, "; ");
     response.success = list.unknown.empty();
-    for (const live::LiveFault& fault : list.faults) {
-      response.ids.push_back(fault.id);
-      response.faults.push_back(fault.words);
+    for (const status::Fault& fault : list.faults) {
+      response.ids.push_back(fault.id.text);
+      response.faults.push_back(fault.fault);
       response.ages.push_back(fault.age_s);
       response.hits.push_back(fault.hits);
     }

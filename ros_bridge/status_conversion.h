@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "config/node_row.h"
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
 
@@ -16,13 +17,12 @@ namespace limb_ring::bridge {
 /// A node of which nothing is known: state "down".
 NodeStatus unheard_node(const config::NodeConfig& node);
 
-/// Fills in a status row, as docs/reference/requests.md describes it. Members that are missing or
-/// of another type leave the field as it is.
-void merge_status_row(const nlohmann::json& row, NodeStatus& status);
+/// Fills in the node's own row.
+void merge_status_row(const status::NodeRow& row, NodeStatus& status);
 
-/// Fills in what another node has heard in this node's beacons: an entry of that row's `heard`. If the
-/// node's own row is missing, but it was heard no longer than `fresh` ago, its state is `up`.
-void merge_beacon(const nlohmann::json& heard, std::chrono::milliseconds fresh, NodeStatus& status);
+/// Fills in what another node has heard in this node's beacons. If the node's own row is missing, but it was heard no
+/// longer than `fresh` ago, its state is `up`.
+void merge_beacon(const status::Heard& heard, std::chrono::milliseconds fresh, NodeStatus& status);
 
 /// A member of what a daemon says, where that is a whole number.
 inline std::int64_t number_of(const nlohmann::json& said, const char* member, std::int64_t otherwise) {

@@ -76,18 +76,22 @@ class RoundTrips {
 
   void add(core::Time now, core::Duration round_trip) { last_.push_back({now, round_trip}); }
 
-  /// statistics::to_json(), and "since_s": how long ago the first of them ended; null where there is none.
-  nlohmann::json to_json(core::Time now) const {
+  status::RoundTrips row(core::Time now) const {
     std::vector<core::Duration> lately;
-    nlohmann::json since_s;
+    status::RoundTrips row;
     for (const Ended& one : last_) {
       if (now - one.at > kWithin) continue;
-      if (lately.empty()) since_s = std::chrono::duration<double>(now - one.at).count();
+      if (lately.empty()) row.since_s = std::chrono::duration<double>(now - one.at).count();
       lately.push_back(one.round_trip);
     }
-    nlohmann::json all = statistics::to_json(statistics::percentiles(lately));
-    all["since_s"] = since_s;
-    return all;
+    const statistics::Percentiles p = statistics::percentiles(lately);
+    row.samples = p.samples;
+    if (p.samples == 0) return row;
+    row.min = p.min;
+    row.p50 = p.p50;
+    row.p99 = p.p99;
+    row.max = p.max;
+    return row;
   }
 
  private:

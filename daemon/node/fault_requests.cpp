@@ -81,7 +81,9 @@ void begin_fault(const FaultTargets& to, const json& request, const Answer& answ
   });
 }
 
-void list_faults(const FaultTargets& to, const json&, const Answer& answer) { answer({{"faults", to.faults.list()}}); }
+void list_faults(const FaultTargets& to, const json&, const Answer& answer) {
+  answer({{"faults", status::to_json(to.faults.list())}});
+}
 
 void remove_fault(const FaultTargets& to, const json& request, const Answer& answer) {
   if (!request.contains("id")) throw RequestError("id is missing: of the fault, as 'faults' lists it");

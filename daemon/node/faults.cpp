@@ -14,7 +14,6 @@ namespace limb_ring::runtime {
 using fault::Fault;
 using fault::LineFaults;
 using fault::ToCpu;
-using nlohmann::json;
 
 namespace {
 
@@ -172,26 +171,26 @@ Faults::OfLines Faults::of_lines(core::Time now) const {
   return all;
 }
 
-json Faults::list() {
+std::vector<status::Fault> Faults::list() {
   const core::Time now = driver_.now();  // of all that follows: none may end in between
   drop_ended(now);
   const OfLines there = of_lines(now);
-  json all = json::array();
+  std::vector<status::Fault> all;
   for (const auto& [id, active] : active_) {
     const Fault& fault = active.fault;
     const auto found = there.find({active.on, active.line});
     const LineFaults::Listed* of_line = found == there.end() ? nullptr : &found->second;
     const auto age = core::whole_nanoseconds(now - active.since);
-    json row{{"id", id},
-             {"name", fault::word_of(fault.name).word},
-             {"fault", fault::to_words(fault, nodes_)},
-             {"age_s", seconds(age)},
-             {"waits", of_line && of_line->waits},
-             {"hits", of_line ? of_line->hits : cpu_.hits(to_cpu(fault))}};
-    if (fault.packets != 0) row["packets_left"] = fault.packets - of_line->hits;
+    status::Fault& row = all.emplace_back();
+    row.id.text = std::to_string(id);
+    row.name = fault::word_of(fault.name).word;
+    row.fault = fault::to_words(fault, nodes_);
+    row.age_s = seconds(age);
+    row.waits = of_line && of_line->waits;
+    row.hits = of_line ? of_line->hits : cpu_.hits(to_cpu(fault));
+    if (fault.packets != 0) row.packets_left = fault.packets - of_line->hits;
     if (fault.lasts.count() != 0 && fault.after_packets == 0)
-      row["seconds_left"] = std::max(0.0, seconds(fault.after + fault.lasts - age));
-    all.push_back(std::move(row));
+      row.seconds_left = std::max(0.0, seconds(fault.after + fault.lasts - age));
   }
   return all;
 }

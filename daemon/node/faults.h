@@ -5,11 +5,12 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "config/fault_parse.h"
+#include "config/node_row.h"
 #include "node/cpu_socket.h"
 #include "node/node_driver.h"
 
@@ -114,7 +115,7 @@ class Faults {
   bool silence_cpu() const;
 
   /// As docs/reference/requests.md describes it, in the order in which they began.
-  nlohmann::json list();
+  std::vector<status::Fault> list();
 
   /// A CPU that has booted again has none of its old faults.
   void cpu_booted();

@@ -26,19 +26,6 @@ std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std:
   throw RequestError("node " + node.name + " has no pin wired to " + name);
 }
 
-nlohmann::json node_json(const config::RingConfig& ring, const config::NodeConfig& node) {
-  nlohmann::json row{{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}};
-  if (const config::HostConfig* host = ring.host_of(node)) row["host"] = host->name;
-  return row;
-}
-
-nlohmann::json hosts_json(const config::RingConfig& ring) {
-  nlohmann::json hosts = nlohmann::json::array();
-  for (const config::HostConfig& host : ring.hosts)
-    hosts.push_back({{"name", host.name}, {"address", host.address}, {"ssh", host.ssh_destination()}});
-  return hosts;
-}
-
 std::string names() {
   std::vector<std::string> names;
   for (const RequestKind& kind : request_kinds()) names.push_back(kind.name);
@@ -90,16 +77,20 @@ void Requests::clock(const Json&, const Answer& answer) {
 }
 
 void Requests::config(const Json&, const Answer& answer) {
-  Json nodes = Json::array();
-  for (const auto& node : to_.ring.nodes) nodes.push_back(node_json(to_.ring, node));
-  answer({{"ring", to_.ring.ring},
-          {"path", to_.ring.path},
-          {"nodes", nodes},
-          {"hosts", hosts_json(to_.ring)},
-          {"folds_back", to_.ring.folds_back()},
-          {"beacon_ms", to_.ring.timeouts.beacon.count()},
-          {"cpu_boot_ms", to_.ring.timeouts.cpu_boot.count()},
-          {"supervisor", config::supervisor_of(to_.ring).id}});
+  status::Configured all;
+  all.ring = to_.ring.ring;
+  all.path = to_.ring.path;
+  for (const config::NodeConfig& node : to_.ring.nodes) {
+    const config::HostConfig* host = to_.ring.host_of(node);
+    all.nodes.push_back({node.id, node.name, node.joints.size(), host != nullptr ? host->name : ""});
+  }
+  for (const config::HostConfig& host : to_.ring.hosts)
+    all.hosts.push_back({host.name, host.address, host.ssh_destination()});
+  all.folds_back = to_.ring.folds_back();
+  all.beacon_ms = to_.ring.timeouts.beacon.count();
+  all.cpu_boot_ms = to_.ring.timeouts.cpu_boot.count();
+  all.supervisor = config::supervisor_of(to_.ring).id;
+  answer(to_json(all));
 }
 
 // What firmware needs of its node: by the file that this daemon has read, whatever stands there now.
@@ -137,8 +128,8 @@ void Requests::setup(const Json&, const Answer& answer) {
 void Requests::status(const Json& request, const Answer& answer) {
   const Json heard = request.value("heard", Json(true));
   if (!heard.is_boolean()) throw RequestError("heard: " + heard.dump() + " is neither true nor false");
-  Json row = status_row(to_.status, heard);
-  row["ring"] = to_.ring.ring;
+  Json row = to_json(status_row(to_.status, heard));
+  if (!heard) row.erase("heard");
   answer(row);
 }
 
@@ -165,7 +156,7 @@ void Requests::warn(const Json& request, bool of_cpu, const Answer& answer) {
   answer(Json::object());
 }
 
-void Requests::latch(const Json&, const Answer& answer) { answer(latch_json(to_.pins.last_latch())); }
+void Requests::latch(const Json&, const Answer& answer) { answer(to_json(latch_of(to_.pins.last_latch()))); }
 
 void Requests::ping(const Json& request, const Answer& answer) {
   TrafficRequest traffic;

@@ -9,57 +9,72 @@
 namespace limb_ring::runtime {
 namespace {
 
-using nlohmann::json;
+using status::NodeRow;
 
-json stop_json(const CpuSocket::Stop& stop, core::Time now) {
-  using std::chrono::duration_cast, std::chrono::milliseconds;
-  return {{"latched", stop.latched},
-          {"latches", stop.latches},
-          {"pulled", stop.pulled},
-          {"pulled_ms", stop.pulled_at ? json(duration_cast<milliseconds>(now - *stop.pulled_at).count()) : json()}};
+/// A time in the unit of what it is assigned to.
+template <class Unit>
+auto count_of(core::Duration time) {
+  return std::chrono::duration_cast<Unit>(time).count();
+}
+double seconds_of(core::Duration time) { return std::chrono::duration<double>(time).count(); }
+
+status::Stop stop_of(const CpuSocket::Stop& stop, core::Time now) {
+  status::Stop row;
+  row.latched = stop.latched;
+  row.latches = stop.latches;
+  row.pulled = stop.pulled;
+  if (stop.pulled_at) row.pulled_ms = count_of<std::chrono::milliseconds>(now - *stop.pulled_at);
+  return row;
 }
 
-json cpu_json(const CpuSocket& cpu, core::Time now) {
+status::Cpu cpu_of(const CpuSocket& cpu, core::Time now) {
   const CpuStatus s = cpu.status();
-  return {{"kind", to_string(s.kind)},
-          {"pid", s.pid > 0 ? json(s.pid) : json()},
-          {"hung", s.pid > 0 && process::is_stopped(s.pid)},
-          {"boots", s.boots},
-          {"state", to_string(s.state)},
-          {"silent_ms", s.silent.count()},
-          {"alive_period_ms", s.alive_period.count()},
-          {"restarted_by_owner", s.restarted_by_owner},
-          {"resets", s.resets},
-          {"last_reset", s.last_reset_reason},
-          {"exits", s.exits},
-          {"failed_boots", s.failed_boots},
-          {"stop", stop_json(cpu.stop_state(), now)},
-          {"last_exit", s.last_exit}};
+  status::Cpu row;
+  row.kind = to_string(s.kind);
+  if (s.pid > 0) row.pid = s.pid;
+  row.hung = s.pid > 0 && process::is_stopped(s.pid);
+  row.boots = s.boots;
+  row.state = to_string(s.state);
+  row.silent_ms = s.silent.count();
+  row.alive_period_ms = s.alive_period.count();
+  row.restarted_by_owner = s.restarted_by_owner;
+  row.resets = s.resets;
+  row.last_reset = s.last_reset_reason;
+  row.exits = s.exits;
+  row.failed_boots = s.failed_boots;
+  row.stop = stop_of(cpu.stop_state(), now);
+  row.last_exit = s.last_exit;
+  return row;
 }
 
-/// The rate of the line out of the node; null if the line is as fast as the host.
-json rate_json(const core::Settings& settings) {
-  const std::int64_t byte_time = core::picoseconds(settings.byte_time_out);
-  return byte_time == 0 ? json() : json(8 * core::Duration::period::den / byte_time);
+status::Input input_of(const LineEnds& ends) { return {ends.from ? "up" : "down", ends.from}; }
+
+status::Output output_of(const LineEnds& ends, const core::Settings& settings) {
+  status::Output row{ends.to ? "up" : "down", ends.to, {}};
+  const std::int64_t byte_time = core::picoseconds(settings.byte_time_out);  // 0: as fast as the host
+  if (byte_time != 0) row.rate_bit_s = 8 * core::Duration::period::den / byte_time;
+  return row;
 }
+
+using Counters = std::map<std::string, std::uint64_t>;
 
 /// Puts each counter under its name behind `prefix`.
-auto into(json& all, const char* prefix) {
+auto into(Counters& all, const char* prefix) {
   return
       [&all, prefix](const char* name, const char*, std::uint64_t value) { all[std::string(prefix) + name] = value; };
 }
 
 /// What faults on purpose did is added to the counts of the first line; the links' counters have names of their own.
-void add_second_line(const NodeDriver& driver, json& all) {
+void add_second_line(const NodeDriver& driver, Counters& all) {
   driver.breaker(core::Line::second).counters().each([&](const char* name, const char*, std::uint64_t value) {
-    all[name] = all[name].get<std::uint64_t>() + value;
+    all[name] += value;
   });
   driver.input_counters(core::Line::second).each(into(all, "second_input_"));
   driver.output_counters(core::Line::second).each(into(all, "second_output_"));
 }
 
-json counters_json(const StatusSources& from) {
-  json all = json::object();
+Counters counters_of(const StatusSources& from) {
+  Counters all;
   from.driver.controller().counters().each(into(all, ""));
   from.driver.input_counters(core::Line::first).each(into(all, "input_"));
   from.driver.output_counters(core::Line::first).each(into(all, "output_"));
@@ -83,47 +98,42 @@ json counters_json(const StatusSources& from) {
 }
 
 /// The node behind a break knows when its input fell silent; the others, when they were told.
-json broken_line_json(const StatusSources& from) {
+std::optional<status::BrokenLine> broken_line_of(const StatusSources& from) {
   const auto line = from.driver.controller().membership().broken_line();
-  if (!line) return {};
+  if (!line) return std::nullopt;
   const NodeDriver& driver = from.driver;
   const bool behind = line->behind == from.node.id;
   const core::Time since = behind ? driver.input_lost_at() : driver.broken_since();
-  json broken{{"before", std::uint8_t{line->before}},
-              {"behind", std::uint8_t{line->behind}},
-              {"since_s", std::chrono::duration<double>(driver.now() - since).count()}};
+  status::BrokenLine broken{line->before, line->behind, seconds_of(driver.now() - since), {}};
   // If the node was folded already, around another break, its state does not change and broken_since() is older.
   if (behind && driver.broken_since() >= since)
-    broken["announced_ms"] = std::chrono::duration<double, std::milli>(driver.broken_since() - since).count();
+    broken.announced_ms = std::chrono::duration<double, std::milli>(driver.broken_since() - since).count();
   return broken;
 }
 
-json fold_json(const NodeDriver& driver) {
+status::Fold fold_of(const NodeDriver& driver) {
   const LineEnds second = driver.ends(core::Line::second);
-  return {{"input", driver.controller().input_folded()},
-          {"output", driver.controller().output_line() == core::Line::second},
-          {"second_input", second.from ? "up" : "down"},
-          {"second_output", second.to ? "up" : "down"}};
+  return {driver.controller().input_folded(), driver.controller().output_line() == core::Line::second,
+          second.from ? "up" : "down", second.to ? "up" : "down"};
 }
 
 /// A refused node tries again many times a second, so a refusal older than this is over.
 constexpr std::chrono::seconds kRefusalLasts{3};
 
-void add_refusals(json& all, const StatusSources& from, const link::Refusals* refusals, bool we_refuse) {
+void add_refusals(std::vector<status::Refusal>& all, const StatusSources& from, const link::Refusals* refusals,
+                  bool we_refuse) {
   if (refusals == nullptr) return;
   for (const auto& [node, refusal] : refusals->all()) {
     if (link::Clock::now() - refusal.at > kRefusalLasts) continue;
     const std::uint8_t refused = we_refuse ? node : from.node.id, by = we_refuse ? from.node.id : node;
-    all.push_back({{"refused", refused},
-                   {"by", by},
-                   {"reason", refusal.reason},
-                   {"text", "node " + from.ring.name_of(refused) + " is refused by node " + from.ring.name_of(by) +
-                                ": " + refusal.reason}});
+    all.push_back({refused, by, refusal.reason,
+                   "node " + from.ring.name_of(refused) + " is refused by node " + from.ring.name_of(by) + ": " +
+                       refusal.reason});
   }
 }
 
-json refusals_json(const StatusSources& from) {
-  json all = json::array();
+std::vector<status::Refusal> refusals_of(const StatusSources& from) {
+  std::vector<status::Refusal> all;
   for (const core::Line line : core::Lines(from.driver.has_second_line())) {
     const LineRefusals refusals = from.driver.refusals(line);
     add_refusals(all, from, refusals.by_input, true);
@@ -132,69 +142,56 @@ json refusals_json(const StatusSources& from) {
   return all;
 }
 
-json told_break_json(const wire::Beacon& beacon) {
-  if (!beacon.break_known) return {};
-  return {{"before", std::uint8_t{beacon.break_before}}, {"behind", std::uint8_t{beacon.break_behind}}};
+status::Heard heard_of(const config::NodeConfig& node, const core::Peer& peer, core::Time now) {
+  const wire::Beacon& beacon = peer.beacon;
+  status::Heard row;
+  row.id = node.id;
+  row.name = node.name;
+  row.boot = peer.boot;
+  row.hop = peer.hop;
+  row.age_ms = count_of<std::chrono::milliseconds>(now - peer.heard_at);
+  row.cpu_boots = beacon.cpu_boots;
+  row.cpu_state = wire::to_string(beacon.cpu_state);
+  row.cpu_silent_ms = beacon.cpu_silent_ms;
+  row.cpu_comes_back = beacon.cpu_comes_back;
+  row.input = wire::to_string(beacon.input);
+  row.output = wire::to_string(beacon.output);
+  if (beacon.break_known) row.broken_line = status::BrokenLine{beacon.break_before, beacon.break_behind, {}, {}};
+  row.stop_latched = beacon.stop_latched;
+  row.latch = latch_of(beacon.latch);
+  return row;
 }
 
-json heard_json(const StatusSources& from) {
-  json heard = json::array();
-  const core::Peers& peers = from.driver.controller().membership().peers();
-  for (const auto& config : from.ring.nodes) {
-    const core::Peer& peer = peers[wire::NodeId{config.id}];
-    if (!peer.known) continue;
-    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.driver.now() - peer.heard_at);
-    heard.push_back({{"id", config.id},
-                     {"name", config.name},
-                     {"boot", peer.boot},
-                     {"hop", peer.hop},
-                     {"age_ms", age.count()},
-                     {"cpu_boots", peer.beacon.cpu_boots},
-                     {"cpu_state", wire::to_string(peer.beacon.cpu_state)},
-                     {"cpu_silent_ms", peer.beacon.cpu_silent_ms},
-                     {"cpu_comes_back", peer.beacon.cpu_comes_back},
-                     {"input", wire::to_string(peer.beacon.input)},
-                     {"output", wire::to_string(peer.beacon.output)},
-                     {"broken_line", told_break_json(peer.beacon)},
-                     {"stop_latched", peer.beacon.stop_latched},
-                     {"latch", latch_json(peer.beacon.latch)}});
-  }
-  return heard;
-}
-
-json lately_damaged_json(const StatusSources& from) {
+status::LatelyDamaged lately_damaged_of(const StatusSources& from) {
   const LatelyDamaged::Counts lately = from.lately_damaged.counts(from.driver.now());
-  return {{"within_s", LatelyDamaged::kWindow.count()},
-          {"oldest_s", std::chrono::duration<double>(lately.oldest).count()},
-          {"crc_errors", lately.crc_errors},
-          {"returns_damaged", lately.returns_damaged}};
+  return {LatelyDamaged::kWindow.count(), seconds_of(lately.oldest), lately.crc_errors, lately.returns_damaged};
 }
 
-json supervisor_json(const StatusSources& from) {
+status::Supervisor supervisor_of(const StatusSources& from) {
   const Watchdog& watcher = from.supervisor->watchdog();
-  json watched = json::array();
+  status::Supervisor row{watchdog::to_string(watcher.policy()), {}};
   for (const WatchedCpu& cpu : watcher.watched()) {
-    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.driver.now() - cpu.since);
-    watched.push_back({{"id", std::uint8_t{cpu.node}},
-                       {"name", from.ring.find(cpu.node)->name},
-                       {"verdict", to_string(cpu.verdict)},
-                       {"for_ms", age.count()},
-                       {"hangs", cpu.hangs},
-                       {"resets", cpu.resets},
-                       {"confirmed", cpu.confirmed},
-                       {"tries", cpu.tries},
-                       {"given_up", cpu.given_up},
-                       {"last", cpu.last},
-                       {"reset_reason", cpu.reset_reason}});
+    status::WatchedCpu& watched = row.watched.emplace_back();
+    watched.id = cpu.node;
+    watched.name = from.ring.find(cpu.node)->name;
+    watched.verdict = to_string(cpu.verdict);
+    watched.for_ms = count_of<std::chrono::milliseconds>(from.driver.now() - cpu.since);
+    watched.hangs = cpu.hangs;
+    watched.resets = cpu.resets;
+    watched.confirmed = cpu.confirmed;
+    watched.tries = cpu.tries;
+    watched.given_up = cpu.given_up;
+    watched.last = cpu.last;
+    watched.reset_reason = cpu.reset_reason;
   }
-  return {{"policy", watchdog::to_string(watcher.policy())}, {"watched", watched}};
+  return row;
 }
 
-/// What is wrong at this node, each a sentence without its name. Above all what no other field can show.
-json warnings_json(const StatusSources& from) {
-  json all = json::array();
+/// Above all what no other field can show.
+std::vector<status::Warning> warnings_of(const StatusSources& from) {
+  std::vector<status::Warning> all;
   const auto add = [&all](const std::string& rule, const std::string& text) {
-    if (!text.empty()) all.push_back({{"rule", rule}, {"text", text}});
+    if (!text.empty()) all.push_back({rule, text});
   };
   add("descriptors", too_few_descriptors(from.ring));
   if (from.turns != nullptr) add("holds_time", from.turns->holds_time(from.node.id));
@@ -205,42 +202,40 @@ json warnings_json(const StatusSources& from) {
 
 }  // namespace
 
-json latch_json(const wire::ClockLatch& latch) {
-  return {{"latched", latch.count != 0},
-          {"source", std::uint8_t{latch.source}},
-          {"count", latch.count},
-          {"clock_ns", latch.clock_ns}};
+status::Latch latch_of(const wire::ClockLatch& latch) {
+  return {latch.count != 0, latch.source, latch.count, latch.clock_ns};
 }
 
-json status_row(const StatusSources& from, bool with_heard) {
+NodeRow status_row(const StatusSources& from, bool with_heard) {
   const NodeDriver& driver = from.driver;
   const core::Membership& membership = driver.controller().membership();
   const LineEnds ends = driver.ends(core::Line::first);
-  json row{{"id", from.node.id},
-           {"name", from.node.name},
-           {"state", to_string(membership.state())},
-           {"pid", ::getpid()},
-           {"cpu", cpu_json(from.cpu, driver.now())},
-           {"ring_size", membership.ring_size()},
-           {"boot", membership.boot()},
-           {"uptime_s", std::chrono::duration<double>(driver.now() - driver.started()).count()},
-           {"input", {{"state", ends.from ? "up" : "down"}, {"from", ends.from ? json(*ends.from) : json()}}},
-           {"output",
-            {{"state", ends.to ? "up" : "down"},
-             {"to", ends.to ? json(*ends.to) : json()},
-             {"rate_bit_s", rate_json(driver.controller().settings())}}},
-           {"round_trip_us", from.round_trips.to_json(driver.now())},
-           {"received", driver.controller().counters().received_data},
-           {"waiting", driver.controller().received_waiting()},
-           {"broken_line", broken_line_json(from)},
-           {"faults", from.faults.list()},
-           {"refusals", refusals_json(from)},
-           {"warnings", warnings_json(from)},
-           {"counters", counters_json(from)},
-           {"lately_damaged", lately_damaged_json(from)}};
-  if (with_heard) row["heard"] = heard_json(from);
-  if (driver.has_second_line()) row["fold"] = fold_json(driver);
-  if (from.supervisor) row["supervisor"] = supervisor_json(from);
+  NodeRow row;
+  row.id = from.node.id;
+  row.name = from.node.name;
+  row.state = to_string(membership.state());
+  row.ring = from.ring.ring;
+  row.pid = ::getpid();
+  row.cpu = cpu_of(from.cpu, driver.now());
+  row.ring_size = membership.ring_size();
+  row.boot = membership.boot();
+  row.uptime_s = seconds_of(driver.now() - driver.started());
+  row.input = input_of(ends);
+  row.output = output_of(ends, driver.controller().settings());
+  row.round_trip_us = from.round_trips.row(driver.now());
+  row.received = driver.controller().counters().received_data;
+  row.waiting = driver.controller().received_waiting();
+  row.broken_line = broken_line_of(from);
+  row.faults = from.faults.list();
+  row.refusals = refusals_of(from);
+  row.warnings = warnings_of(from);
+  row.counters = counters_of(from);
+  row.lately_damaged = lately_damaged_of(from);
+  for (const auto& node : from.ring.nodes)
+    if (const core::Peer& peer = membership.peers()[wire::NodeId{node.id}]; with_heard && peer.known)
+      row.heard.push_back(heard_of(node, peer, driver.now()));
+  if (driver.has_second_line()) row.fold = fold_of(driver);
+  if (from.supervisor) row.supervisor = supervisor_of(from);
   return row;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "config/node_row.h"
 #include "config/ring_config.h"
 #include "node/cpu_socket.h"
 #include "node/event_router.h"
@@ -29,10 +29,9 @@ struct StatusSources {
   const host::TurnKeeper* turns;                    ///< null: the ring's clock is the machine's
 };
 
-/// A node's row of `ringctl status --json`, as docs/reference/requests.md describes it.
-nlohmann::json status_row(const StatusSources& from, bool with_heard);
+/// A node's row of `ringctl status --json`.
+status::NodeRow status_row(const StatusSources& from, bool with_heard);
 
-/// A latch of a node's clock, as the request `latch` answers.
-nlohmann::json latch_json(const wire::ClockLatch& latch);
+status::Latch latch_of(const wire::ClockLatch& latch);
 
 }  // namespace limb_ring::runtime

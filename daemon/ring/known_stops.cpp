@@ -13,7 +13,6 @@
 namespace limb_ring::ask {
 namespace {
 
-using nlohmann::json;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
@@ -21,32 +20,28 @@ constexpr milliseconds kStopsPollPeriod{20};
 constexpr milliseconds kToSaySo{1000};
 constexpr milliseconds kUnderWay{200};
 
-json stop_in(const json& row) { return row.value("cpu", json::object()).value("stop", json::object()); }
-
-/// How long ago its stop pin was pulled; null: never.
-json pulled_ms(const json& row) { return stop_in(row).value("pulled_ms", json()); }
+status::Stop stop_in(const status::NodeRow& row) { return row.cpu.stop.value_or(status::Stop{}); }
 
 /// A CPU that is not there now. ringd starts its own children again; who else comes back, nobody knows.
 bool comes_back(const std::string& state, const std::string& kind) {
   return state == "booting" || state == "failed" || (state == "absent" && kind == "child");
 }
 
-StopState state_in(const json& row, milliseconds age) {
-  if (stop_in(row).value("latched", false)) return StopState::stopped;
-  const json cpu = row.value("cpu", json::object());
-  const std::string state = cpu.value("state", ""), kind = cpu.value("kind", "");
+StopState state_in(const status::NodeRow& row, milliseconds age) {
+  const status::Stop stop = stop_in(row);
+  if (stop.latched) return StopState::stopped;
+  const std::string &state = row.cpu.state, &kind = row.cpu.kind;
   if (state == "none" || (state == "absent" && !comes_back(state, kind))) return StopState::no_cpu;
-  const json pulled = pulled_ms(row);
-  if (!pulled.is_number() || pulled > age.count()) return StopState::not_reached;
+  if (!stop.pulled_ms || *stop.pulled_ms > age.count()) return StopState::not_reached;
   if (comes_back(state, kind)) return StopState::booting;
-  if (state == "silent" || cpu.value("hung", false)) return StopState::silent;
-  return stop_in(row).value("latches", true) ? StopState::told : StopState::never;
+  if (state == "silent" || row.cpu.hung == true) return StopState::silent;
+  return stop.latches ? StopState::told : StopState::never;
 }
 
-StopState state_in_beacon(const json& heard, bool delivered) {
-  if (heard.is_null()) return StopState::unknown;
-  if (heard.value("stop_latched", false)) return StopState::stopped;
-  const std::string cpu = heard.value("cpu_state", "");
+StopState state_in_beacon(const status::Heard* heard, bool delivered) {
+  if (heard == nullptr) return StopState::unknown;
+  if (heard->stop_latched) return StopState::stopped;
+  const std::string& cpu = heard->cpu_state;
   if (cpu == "absent" || cpu == "none") return StopState::no_cpu;
   if (!delivered) return StopState::unknown;
   if (comes_back(cpu, "")) return StopState::booting;
@@ -104,18 +99,18 @@ std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& r
 }
 
 bool may_say_so(const Rows& rows, const KnownStop& stop) {
-  if (stop.state == StopState::unknown) return !lately_heard(rows, stop.node.id).is_null();
+  if (stop.state == StopState::unknown) return lately_heard(rows, stop.node.id) != nullptr;
   const auto row = rows.find(stop.node.id);
-  const bool latches = row == rows.end() || stop_in(row->second).value("latches", true);
+  const bool latches = row == rows.end() || stop_in(row->second).latches;
   return latches && (stop.state == StopState::told || stop.state == StopState::silent);
 }
 
 milliseconds age_on_virtual_ring(const Rows& rows, milliseconds age) {
   std::optional<milliseconds> last;
   for (const auto& [id, row] : rows) {
-    const json pulled = pulled_ms(row);
-    if (!pulled.is_number()) continue;
-    const milliseconds ago(pulled.get<std::int64_t>());
+    const auto pulled_ms = stop_in(row).pulled_ms;
+    if (!pulled_ms) continue;
+    const milliseconds ago(*pulled_ms);
     last = std::min(last.value_or(ago), ago);
   }
   return age + last.value_or(milliseconds(0));
@@ -148,7 +143,7 @@ class StopPoll {
   bool has_booted_again(std::uint8_t node) {
     const auto row = rows_.find(node);
     if (row == rows_.end()) return false;
-    const auto boots = row->second.value("cpu", json::object()).value("boots", 0u);
+    const auto boots = row->second.cpu.boots.value_or(0);
     return boots > boots_.emplace(node, boots).first->second;
   }
 

@@ -5,6 +5,7 @@
 
 #include "config/quantity.h"
 #include "io/in_parallel.h"
+#include "ring/ring_client.h"
 
 namespace limb_ring::live {
 
@@ -44,19 +45,6 @@ std::vector<Problem> at_the_same_time(const std::vector<wire::NodeId>& nodes,
     }
   });
   return problems;
-}
-
-LiveFault from_json(const json& row, const std::string& node) {
-  LiveFault fault;
-  fault.id = node + '.' + row.at("id").dump();
-  fault.name = row.at("name").get<std::string>();
-  fault.words = row.at("fault").get<std::string>();
-  fault.age_s = row.at("age_s").get<double>();
-  fault.hits = row.at("hits").get<std::uint64_t>();
-  fault.waits = row.at("waits").get<bool>();
-  if (row.contains("packets_left")) fault.packets_left = row["packets_left"].get<std::uint64_t>();
-  if (row.contains("seconds_left")) fault.seconds_left = row["seconds_left"].get<double>();
-  return fault;
 }
 
 /// @throw NotDone with all of them, where there is one; HostPortError where none is of another kind
@@ -187,33 +175,34 @@ Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
 // ---- what there is --------------------------------------------------------------------------
 
 /// A note stays, out of date, where somebody else has ended its fault.
-std::optional<LiveFault> LiveFaults::node_fault(wire::NodeId node) const {
+std::optional<status::Fault> LiveFaults::node_fault(wire::NodeId node) const {
   const auto note = note_of(daemons_.folder(), node);
   if (!note) return std::nullopt;
   const std::string name = note->name();
   const bool holds = name == kKill ? is_killed(daemons_.folder(), node) : daemons_.is_frozen(node);
   if (!holds) return std::nullopt;
-  LiveFault fault;
-  fault.id = daemons_.node(node).name + '.' + name;
+  status::Fault fault;
+  fault.id.text = daemons_.node(node).name + '.' + name;
   fault.name = name;
-  fault.words = note->words;
+  fault.fault = note->words;
   fault.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - note->since).count();
   fault.hits = 1;
   return fault;
 }
 
-std::vector<LiveFault> LiveFaults::faults_of(wire::NodeId node) const {
-  std::vector<LiveFault> faults;
+std::vector<status::Fault> LiveFaults::faults_of(wire::NodeId node) const {
   if (auto of_node = node_fault(node)) return {*of_node};
   if (!daemons_.holder(node).held) return {};
-  const json answer = daemons_.ask(node, {{"do", "faults"}});
-  for (const json& row : answer.at("faults")) faults.push_back(from_json(row, daemons_.node(node).name));
+  std::vector<status::Fault> faults;
+  const std::string wrong = status::read(daemons_.ask(node, {{"do", "faults"}}).at("faults"), faults);
+  if (!wrong.empty()) throw NotDone("node " + daemons_.node(node).name + ": " + ask::sentence_of_shape(wrong));
+  for (status::Fault& fault : faults) fault.id.text.insert(0, daemons_.node(node).name + '.');
   return faults;
 }
 
 FaultList LiveFaults::list() const {
   const std::vector<wire::NodeId> ids = daemons_.node_ids();
-  std::vector<std::vector<LiveFault>> found(ids.size());
+  std::vector<std::vector<status::Fault>> found(ids.size());
   const auto problems = at_the_same_time(ids, [&](std::size_t i) { found[i] = faults_of(ids[i]); });
   FaultList all;
   for (std::size_t i = 0; i < ids.size(); ++i) {

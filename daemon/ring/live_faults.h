@@ -8,28 +8,16 @@
 
 namespace limb_ring::live {
 
-/// A fault that lasts, wherever it is kept.
-struct LiveFault {
-  std::string id;     ///< NODE.NUMBER, or NODE.freeze, NODE.kill; unique in the ring
-  std::string name;   ///< its word: "drop"
-  std::string words;  ///< what was asked for: "drop body -> head packets=3 seed=7"
-  double age_s = 0;
-  std::uint64_t hits = 0;  ///< packets, or times
-  bool waits = false;      ///< has not started yet
-  std::optional<std::uint64_t> packets_left;
-  std::optional<double> seconds_left;
-};
-
 /// All faults that last, in ring order.
 struct FaultList {
-  std::vector<LiveFault> faults;
-  std::vector<std::string> unknown;  ///< for each daemon that runs and does not tell of its own: whose, and why
+  std::vector<status::Fault> faults;  ///< their ids: NODE.NUMBER, or NODE.freeze, NODE.kill
+  std::vector<std::string> unknown;   ///< for each daemon that runs and does not tell of its own: whose, and why
 };
 
 /// What has been done.
 struct Begun {
   std::string id;     ///< empty where it is over at once: heal, start, thaw, power_cycle, resume, reset, crash
-  std::string words;  ///< as in LiveFault; a seed that was drawn is among them
+  std::string words;  ///< as in status::Fault; a seed that was drawn is among them
 };
 
 /// Breaks a living ring on purpose, and mends it. Faults of lines and CPUs are kept by the daemon at the node
@@ -67,8 +55,8 @@ class LiveFaults {
   void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const NodeNote& ours, const Wait& wait) const;
   void revive(wire::NodeId node, std::chrono::milliseconds patience = RunningDaemons::kComesUp) const;
   void clear_at(wire::NodeId node, std::chrono::milliseconds patience) const;
-  std::optional<LiveFault> node_fault(wire::NodeId node) const;
-  std::vector<LiveFault> faults_of(wire::NodeId node) const;
+  std::optional<status::Fault> node_fault(wire::NodeId node) const;
+  std::vector<status::Fault> faults_of(wire::NodeId node) const;
   wire::NodeId node_of(const std::string& id) const;
 
   RunningDaemons daemons_;

@@ -17,9 +17,9 @@ using std::chrono::steady_clock;
 constexpr milliseconds kResetPollPeriod{50};
 constexpr milliseconds kMargin{2000};  ///< for the answer, beside the time that the reset is given
 
-const json* broken_line(const Rows& rows) {
+const status::BrokenLine* broken_line(const Rows& rows) {
   for (const auto& [id, row] : rows)
-    if (row.contains("broken_line") && row["broken_line"].is_object()) return &row["broken_line"];
+    if (row.broken_line) return &*row.broken_line;
   return nullptr;
 }
 
@@ -31,40 +31,38 @@ json ask_daemon(const ResetQuery& query) {
 
 // Round a fold nobody reaches all: with two breaks there are two parts.
 std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
-  const json* line = broken_line(rows);
+  const status::BrokenLine* line = broken_line(rows);
   if (line == nullptr) return "";
-  const auto is_folded = [](const auto& row) { return row.second.value("state", "") == "folded"; };
+  const auto is_folded = [](const auto& row) { return row.second.state == "folded"; };
   if (std::any_of(rows.begin(), rows.end(), is_folded))
     return "; the ring has folded: if it is in two parts, a node of the target's part has to ask (--from)";
-  const auto before = line->value("before", std::uint8_t{0}), behind = line->value("behind", std::uint8_t{0});
-  if (behind == query.target)
-    return "; nothing reaches the first node of an open chain: " + way_to_first_of_chain(name_of(query.nodes, behind));
-  return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) +
-         " hears all others";
+  const std::string behind = name_of(query.nodes, line->behind);
+  if (line->behind == query.target)
+    return "; nothing reaches the first node of an open chain: " + way_to_first_of_chain(behind);
+  return "; " + behind + " reaches all others, " + name_of(query.nodes, line->before) + " hears all others";
 }
 
 }  // namespace
 
-std::optional<std::uint32_t> boots_in(const json& row, std::uint8_t target) {
-  if (row.value("id", -1) == target) return row.at("cpu").value("boots", 0u);
-  const json peer = lately_heard_in(row, target);
-  if (peer.is_null()) return std::nullopt;
-  return peer.value("cpu_boots", 0u);
+std::optional<std::uint32_t> boots_in(const status::NodeRow& row, std::uint8_t target) {
+  if (row.id == target) return row.cpu.boots.value_or(0);
+  const status::Heard* peer = lately_heard_in(row, target);
+  return peer == nullptr ? std::nullopt : std::optional(peer->cpu_boots);
 }
 
 bool has_no_cpu(const Rows& rows, std::uint8_t target) {
   const auto row = rows.find(target);
-  if (row != rows.end()) return row->second.at("cpu").value("state", "") == "none";
-  const json heard = lately_heard(rows, target);
-  return !heard.is_null() && heard.value("cpu_state", "") == "none";
+  if (row != rows.end()) return row->second.cpu.state == "none";
+  const status::Heard* heard = lately_heard(rows, target);
+  return heard != nullptr && heard->cpu_state == "none";
 }
 
 std::uint8_t best_sender(const Rows& rows, const ResetQuery& query) {
-  const json* line = broken_line(rows);
+  const status::BrokenLine* line = broken_line(rows);
   if (!query.from_is_free || line == nullptr) return query.from;
-  const auto behind = line->value("behind", query.from);
-  const bool chain = rows.count(behind) != 0 && rows.at(behind).value("state", "") == "open_chain";
-  return chain && behind != query.target ? behind : query.from;
+  const auto row = rows.find(line->behind);
+  const bool chain = row != rows.end() && row->second.state == "open_chain";
+  return chain && line->behind != query.target ? line->behind : query.from;
 }
 
 json judged(json answer, const ResetQuery& query, const Rows& before, const Rows& now) {

@@ -24,7 +24,7 @@ struct ResetQuery {
 
 /// How many times the target's CPU has booted, as told by its own status row or by that of a node that has heard its
 /// beacon in the last second.
-std::optional<std::uint32_t> boots_in(const nlohmann::json& row, std::uint8_t target);
+std::optional<std::uint32_t> boots_in(const status::NodeRow& row, std::uint8_t target);
 
 /// Whether it is known, in the same way, that the target has no CPU that could be reset.
 bool has_no_cpu(const Rows& rows, std::uint8_t target);

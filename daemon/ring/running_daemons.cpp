@@ -24,6 +24,7 @@
 #include "limb_ring/ring_directory.h"
 #include "ring/launched_ring.h"
 #include "ring/observed_daemon.h"
+#include "ring/ring_client.h"
 
 namespace limb_ring::live {
 namespace {
@@ -62,10 +63,7 @@ bool lets_in(const std::function<void()>& connect, const std::function<bool()>& 
 }
 
 /// A node belongs to the ring once its hello, the first packet it sends, has come home.
-bool has_said_hello(const json& row) {
-  const std::string state = row.value("state", "");
-  return state != "" && state != "starting" && state != "joining";
-}
+bool has_said_hello(const status::NodeRow& row) { return row.state != "starting" && row.state != "joining"; }
 
 /// Starts the daemon as it was started last, to outlive this process. @param output for what it prints
 process::SpawnRequest as_last_time(const Holder& last, int output) {
@@ -244,8 +242,11 @@ void RunningDaemons::keep(process::Child daemon) const {
   started_.erase(std::remove_if(started_.begin(), started_.end(), has_ended), started_.end());
 }
 
-std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {
-  return ask(id, {{"do", "status"}}).value("boot", std::uint64_t{0});
+status::NodeRow RunningDaemons::row_of(wire::NodeId id) const {
+  status::NodeRow row;
+  const std::string wrong = status::read(ask(id, {{"do", "status"}}), row);
+  if (!wrong.empty()) throw NotDone("node " + node(id).name + ": " + ask::sentence_of_shape(wrong));
+  return row;
 }
 
 // A daemon that starts anew lets go of its lock for a moment, and lives. Of one in a container, where its pid means
@@ -266,8 +267,8 @@ bool RunningDaemons::wait_while_it_lives(wire::NodeId id, const std::function<bo
 // The daemon sends no answer, because it ends. A higher boot number shows that it has come back.
 void RunningDaemons::power_cycle(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::power_cycle, id)) return wait_for_hello(id);
+  const auto before = row_of(id).boot;
   HostPort port = connect(id);
-  const std::uint64_t before = json::parse(port.ask(R"({"do": "status"})", kAnswer)).value("boot", std::uint64_t{0});
   const json request{{"do", "fault"}, {"fault", "power_cycle " + node(id).number}};
   try {
     port.ask(request.dump(), kAnswer);
@@ -276,7 +277,7 @@ void RunningDaemons::power_cycle(wire::NodeId id) const {
   }
   const auto is_new = [&] {
     try {
-      return boot_of(id) > before;
+      return row_of(id).boot > before;
     } catch (const HostPortError&) {
       return false;  // not yet there
     }
@@ -287,7 +288,7 @@ void RunningDaemons::power_cycle(wire::NodeId id) const {
 
 bool RunningDaemons::has_joined(wire::NodeId id) const {
   try {
-    return has_said_hello(ask(id, {{"do", "status"}}));
+    return has_said_hello(row_of(id));
   } catch (const HostPortError&) {
     return false;
   }

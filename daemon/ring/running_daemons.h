@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "config/fault_parse.h"
+#include "config/node_row.h"
 #include "io/child.h"
 #include "limb_ring/host_port.h"
 #include "ring/observed_daemon.h"
@@ -65,7 +66,7 @@ class RunningDaemons {
   HostPortError no_daemon(wire::NodeId node) const;
   bool wait_while_it_lives(wire::NodeId node, const std::function<bool()>& condition,
                            std::chrono::milliseconds patience) const;
-  std::uint64_t boot_of(wire::NodeId node) const;
+  status::NodeRow row_of(wire::NodeId node) const;
   bool has_joined(wire::NodeId node) const;
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout) const;
   bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;

@@ -3,42 +3,20 @@
 #include <algorithm>
 #include <optional>
 
-#include "io/in_parallel.h"
-#include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
-#include "ring/observed_daemon.h"
 #include "ring/ring_files.h"
 
 namespace limb_ring::ask {
 namespace {
 
-using nlohmann::json;
-
-constexpr std::size_t kAskers = 16;
 constexpr int kLately = 1000;  ///< ms; an older beacon tells nothing
-
-int age_of(const json& heard) { return heard.value("age_ms", kLately); }
-
-std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono::milliseconds timeout) {
-  const live::Holder holder = live::holder_of(ring_directory(ring), id);
-  if (!holder.held || holder.frozen) return std::nullopt;
-  try {
-    HostPort port = live::connect_node(ring, std::to_string(id));
-    json row = json::parse(port.ask(R"({"do": "status"})", timeout), nullptr, /*allow_exceptions=*/false);
-    if (row.is_object()) return row;
-  } catch (const std::exception&) {
-  }
-  return std::nullopt;
-}
 
 }  // namespace
 
 Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout) {
-  std::vector<std::optional<json>> answers(nodes.size());
-  process::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = row_of(ring, nodes[i].id, timeout); });
   Rows rows;
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (answers[i]) rows.emplace(nodes[i].id, std::move(*answers[i]));
+  for (ToldRow& told : RingClient(ring, nodes).status(std::chrono::steady_clock::now() + timeout))
+    if (told.said) rows.emplace(told.said->id, std::move(*told.said));
   return rows;
 }
 
@@ -48,18 +26,17 @@ Rows status_rows_here(const std::string& ring, std::chrono::milliseconds timeout
   return status_rows(ring, nodes, timeout);
 }
 
-json lately_heard_in(const json& row, std::uint8_t node) {
-  for (const json& heard : row.value("heard", json::array()))
-    if (heard.value("id", -1) == node && age_of(heard) < kLately) return heard;
+const status::Heard* lately_heard_in(const status::NodeRow& row, std::uint8_t node) {
+  for (const status::Heard& heard : row.heard)
+    if (heard.id == node && heard.age_ms < kLately) return &heard;
   return nullptr;
 }
 
-json lately_heard(const Rows& rows, std::uint8_t node) {
-  json newest;
+const status::Heard* lately_heard(const Rows& rows, std::uint8_t node) {
+  const status::Heard* newest = nullptr;
   for (const auto& [id, row] : rows) {
-    json heard = lately_heard_in(row, node);
-    if (heard.is_null()) continue;
-    if (newest.is_null() || age_of(heard) < age_of(newest)) newest = std::move(heard);
+    const status::Heard* heard = lately_heard_in(row, node);
+    if (heard != nullptr && (newest == nullptr || heard->age_ms < newest->age_ms)) newest = heard;
   }
   return newest;
 }
@@ -68,15 +45,12 @@ std::optional<std::uint8_t> who_reaches(const Rows& rows, std::uint8_t target) {
   const auto row = rows.find(target);
   if (row == rows.end()) return std::nullopt;
   // The newest beacon: others may be from before the ring broke.
-  std::optional<std::uint8_t> newest;
-  int age = kLately;
+  const status::Heard* newest = nullptr;
   for (const auto& [id, unused] : rows) {
-    const json heard = id == target ? json() : lately_heard_in(row->second, id);
-    if (heard.is_null() || age_of(heard) >= age) continue;
-    newest = id;
-    age = age_of(heard);
+    const status::Heard* heard = id == target ? nullptr : lately_heard_in(row->second, id);
+    if (heard != nullptr && (newest == nullptr || heard->age_ms < newest->age_ms)) newest = heard;
   }
-  return newest;
+  return newest == nullptr ? std::nullopt : std::optional(newest->id);
 }
 
 std::string name_of(const std::vector<Node>& nodes, std::uint8_t id) {

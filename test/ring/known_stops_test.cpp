@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include "support/node_rows.h"
+
 namespace limb_ring::ask {
 namespace {
 
@@ -11,8 +13,13 @@ using nlohmann::json;
 
 const std::vector<Node> kNodes{{0, "body"}, {1, "head"}, {2, "knee"}, {3, "foot"}, {4, "hand"}};
 
-json row(const std::string& state, bool latched, const json& pulled_ms) {
-  return {{"cpu", {{"state", state}, {"stop", {{"latched", latched}, {"pulled", 1}, {"pulled_ms", pulled_ms}}}}}};
+using test::node_row;
+
+status::NodeRow row(const std::string& state, bool latched, std::optional<std::int64_t> pulled_ms) {
+  status::NodeRow row;
+  row.cpu.state = state;
+  row.cpu.stop = status::Stop{latched, true, 1, pulled_ms};
+  return row;
 }
 
 const Rows kRows{{0, row("running", true, 3)},
@@ -30,21 +37,20 @@ TEST(KnownStops, OfACpuThatNeverLatchesAreNotWaitedFor) {
   Rows rows = kRows;
   EXPECT_TRUE(may_say_so(rows, {kNodes[1], StopState::told}));
   EXPECT_FALSE(may_say_so(rows, {kNodes[0], StopState::stopped}));
-  rows[1]["cpu"]["stop"]["latches"] = false;
+  rows[1].cpu.stop->latches = false;
   EXPECT_FALSE(may_say_so(rows, {kNodes[1], StopState::told}));
   EXPECT_FALSE(may_say_so(rows, {kNodes[4], StopState::unknown})) << "no beacon of it is heard";
 }
 
-json hears(bool latched, const char* cpu, int age_ms) {
-  json row = kRows.at(0);
-  row["heard"] = {{{"id", 4}, {"age_ms", age_ms}, {"cpu_state", cpu}, {"stop_latched", latched}}};
-  return row;
+status::NodeRow hears(bool latched, const char* cpu, int age_ms) {
+  return node_row({{"heard", {{{"id", 4}, {"age_ms", age_ms}, {"cpu_state", cpu}, {"stop_latched", latched}}}}});
 }
 
-StopState of(const char* state, const char* kind, const json& pulled_ms, bool process_is_stopped = false) {
-  json told = row(state, false, pulled_ms);
-  told["cpu"]["kind"] = kind;
-  told["cpu"]["hung"] = process_is_stopped;
+StopState of(const char* state, const char* kind, std::optional<std::int64_t> pulled_ms,
+             bool process_is_stopped = false) {
+  status::NodeRow told = row(state, false, pulled_ms);
+  told.cpu.kind = kind;
+  told.cpu.hung = process_is_stopped;
   return known_stops({{0, "body"}}, {{0, told}}, 20ms)[0].state;
 }
 
@@ -53,7 +59,7 @@ TEST(KnownStops, OfACpuThatHangsOrBootsAreNotEnough) {
   EXPECT_EQ(of("silent", "child", 3), StopState::silent);
   EXPECT_EQ(of("running", "attached", 3, true), StopState::silent);
   for (const char* state : {"booting", "absent", "failed"}) EXPECT_EQ(of(state, "child", 3), StopState::booting);
-  EXPECT_EQ(of("absent", "child", nullptr), StopState::not_reached);
+  EXPECT_EQ(of("absent", "child", std::nullopt), StopState::not_reached);
   EXPECT_EQ(of("absent", "attached", 3), StopState::no_cpu) << "whether one comes is not known";
   EXPECT_EQ(of("none", "none", 3), StopState::no_cpu);
   EXPECT_FALSE(all_told({{{0, "body"}, StopState::silent}}));
@@ -82,7 +88,7 @@ TEST(KnownStops, TellFromWhereAStopReachesTheRestOfAChain) {
 }
 
 TEST(KnownStops, ANodeIsReachedByThoseWhoseBeaconsItHears) {
-  const auto hearing = [](const json& heard) { return json{{"heard", heard}}; };
+  const auto hearing = [](const json& heard) { return node_row({{"heard", heard}}); };
   const Rows rows{
       {0, hearing(json::array())},
       {1, hearing({{{"id", 0}, {"age_ms", 50}}})},
@@ -93,7 +99,7 @@ TEST(KnownStops, ANodeIsReachedByThoseWhoseBeaconsItHears) {
   EXPECT_EQ(who_reaches(rows, 5), std::nullopt);
 }
 
-StopState of_hand(const json& body, bool delivered) {
+StopState of_hand(const status::NodeRow& body, bool delivered) {
   return known_stops({{4, "hand"}}, {{0, body}}, 20ms, delivered)[0].state;
 }
 
@@ -125,7 +131,7 @@ TEST(KnownStops, AllAreToldWhereNoneIsLeftOut) {
 }
 
 TEST(KnownStops, OfAPinThatWasNeverPulledNothingWasReached) {
-  const Rows rows{{0, row("running", false, nullptr)}};
+  const Rows rows{{0, row("running", false, std::nullopt)}};
   EXPECT_EQ(known_stops({{0, "body"}}, rows, 20ms)[0].state, StopState::not_reached);
 }
 

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include "support/node_rows.h"
+
 namespace limb_ring::ask {
 namespace {
 
@@ -18,15 +20,18 @@ ResetQuery query() {
   return query;
 }
 
-json heard_by(int id, unsigned boots, int age_ms) {
-  return {{"id", id},
-          {"state", "open_chain"},
-          {"cpu", {{"boots", 1}}},
-          {"broken_line", {{"before", 13}, {"behind", 0}}},
-          {"heard", {{{"id", 12}, {"cpu_boots", boots}, {"age_ms", age_ms}}}}};
+using status::NodeRow;
+using test::node_row;
+
+NodeRow heard_by(int id, unsigned boots, int age_ms) {
+  return node_row({{"id", id},
+                   {"state", "open_chain"},
+                   {"cpu", {{"boots", 1}}},
+                   {"broken_line", {{"before", 13}, {"behind", 0}}},
+                   {"heard", {{{"id", 12}, {"cpu_boots", boots}, {"age_ms", age_ms}}}}});
 }
 
-json own_row(unsigned boots) { return {{"id", 12}, {"cpu", {{"boots", boots}}}, {"heard", json::array()}}; }
+NodeRow own_row(unsigned boots) { return node_row({{"id", 12}, {"cpu", {{"boots", boots}}}}); }
 
 const json kUnknown{{"success", false}, {"effect", "unknown"}, {"message", "sent"}};
 
@@ -44,7 +49,7 @@ TEST(ResetSeen, ByItsOwnDaemon) {
 }
 
 TEST(ResetSeen, NotByAnOldBeaconNorBySameBoots) {
-  for (const json& row : {heard_by(13, 2, 5000), heard_by(13, 1, 20)}) {
+  for (const NodeRow& row : {heard_by(13, 2, 5000), heard_by(13, 1, 20)}) {
     const json answer = judged(kUnknown, query(), {{13, heard_by(13, 1, 20)}}, {{13, row}});
     EXPECT_EQ(answer["effect"], "unknown");
     EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("body reaches all others, foot hears all others"));
@@ -61,18 +66,18 @@ TEST(ResetSeen, NotAtTheFirstOfAnOpenChainAndThenWhatElseResetsIt) {
 }
 
 TEST(Reset, OfANodeWithoutCpuIsKnownByItsRowOrItsBeacon) {
-  const auto own = [](const char* state) { return json{{"id", 12}, {"cpu", {{"state", state}}}}; };
-  json heard = heard_by(13, 1, 20);
+  const auto own = [](const char* state) { return node_row({{"id", 12}, {"cpu", {{"state", state}}}}); };
+  NodeRow heard = heard_by(13, 1, 20);
   EXPECT_TRUE(has_no_cpu({{12, own("none")}}, 12));
   EXPECT_FALSE(has_no_cpu({{12, own("absent")}}, 12));
   EXPECT_FALSE(has_no_cpu({{13, heard}}, 12));
-  heard["heard"][0]["cpu_state"] = "none";
+  heard.heard[0].cpu_state = "none";
   EXPECT_TRUE(has_no_cpu({{13, heard}}, 12));
 }
 
 TEST(ResetSeen, RoundAFoldNobodyIsSaidToReachAll) {
-  json folded = heard_by(13, 1, 20);
-  folded["state"] = "folded";
+  NodeRow folded = heard_by(13, 1, 20);
+  folded.state = "folded";
   const std::string message = judged(kUnknown, query(), {{13, folded}}, {{13, folded}})["message"];
   EXPECT_THAT(message, HasSubstr("the ring has folded: if it is in two parts"));
   EXPECT_THAT(message, Not(HasSubstr("reaches all others")));

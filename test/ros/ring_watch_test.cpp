@@ -17,6 +17,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+/// A row of the body, with these members beside what every row has.
+std::string row(const std::string& members) {
+  return R"({"id": 0, "name": "body", "state": "up", "cpu": {"state": "none"}, )" + members + "}";
+}
+
 class Watching : public test::OwnFolder {
  protected:
   /// Asks all nodes; that of the body answers this, nobody else is there.
@@ -37,8 +42,10 @@ class Watching : public test::OwnFolder {
 
  private:
   static void answered(const std::vector<std::string>& answers, const std::function<void()>& polls) {
-    test::FakeDaemon daemon("small", "body");
+    test::FakeDaemon daemon("small", "0");
     auto all = std::async(std::launch::async, [&] {
+      daemon.accept();  // who looks whether it is frozen, as it has no lock file
+      daemon.hang_up();
       daemon.welcome();
       std::uint32_t token = 0;
       for (const std::string& answer : answers) {
@@ -63,21 +70,22 @@ class Watching : public test::OwnFolder {
 
 TEST_F(Watching, AFrozenDaemonIsNotAsked) {
   const StoppedHolder holder(ring_.nodes[1]);
-  const test::FakeDaemon frozen("small", ring_.nodes[1].name);
-  EXPECT_EQ(poll(R"({"state": "up", "heard": []})")[1].state, "down");
+  const test::FakeDaemon frozen("small", std::to_string(ring_.nodes[1].id));
+  EXPECT_EQ(poll(row(R"("heard": [])"))[1].state, "down");
   EXPECT_FALSE(frozen.is_tried());
 }
 
 TEST_F(Watching, AStatusIsTakenAsItIsDocumented) {
-  const auto nodes = poll(R"({"state": "up", "pid": 4711, "heard": [{"id": 7, "age_ms": 1}]})");
+  const auto nodes = poll(row(R"("pid": 4711, "heard": [{"id": 7, "age_ms": 1}])"));
   ASSERT_EQ(nodes.size(), 3u);
   EXPECT_EQ(nodes[0].pid, 4711);
   EXPECT_EQ(nodes[1].state, "up");
 }
 
 TEST_F(Watching, AnythingElseIsNamedAndTheNodeCountsAsSilent) {
-  for (const char* answer : {R"({"pid": 4711, "heard": [{"id": "knee"}]})", R"({"pid": 4711, "heard": [{}]})",
-                             R"({"pid": 4711, "heard": [7]})", R"({"pid": 4711, "heard": 7})", "[4711]", "{"}) {
+  for (const std::string& answer : {row(R"("pid": 4711, "heard": [{"id": "knee"}])"),
+                                    row(R"("pid": 4711, "heard": [{}])"), row(R"("pid": 4711, "heard": [7])"),
+                                    row(R"("pid": 4711, "heard": 7)"), std::string("[4711]"), std::string("{")}) {
     ::testing::internal::CaptureStderr();
     const auto nodes = poll(answer);
     EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("node 'body' answers no status")) << answer;
@@ -88,11 +96,13 @@ TEST_F(Watching, AnythingElseIsNamedAndTheNodeCountsAsSilent) {
 }
 
 constexpr const char* kNoAnswer = "{";
-constexpr const char* kOnce = R"({"heard": [{"id": 7, "boot": 1763715000000000000, "cpu_boots": 1}]})";
-constexpr const char* kTwice = R"({"heard": [{"id": 7, "boot": 1763715000000000000, "cpu_boots": 2}]})";
-constexpr const char* kStartedOver = R"({"heard": [{"id": 7, "boot": 1763715000000000001, "cpu_boots": 1}]})";
-constexpr const char* kNewDaemon = R"({"heard": [{"id": 7, "boot": 1763715099000000001, "cpu_boots": 1}]})";
-constexpr const char* kNewDaemonBeforeItsCpu = R"({"heard": [{"id": 7, "boot": 1763715099000000001, "cpu_boots": 0}]})";
+const std::string kOnce = row(R"("heard": [{"id": 7, "age_ms": 1, "boot": 1763715000000000000, "cpu_boots": 1}])");
+const std::string kTwice = row(R"("heard": [{"id": 7, "age_ms": 1, "boot": 1763715000000000000, "cpu_boots": 2}])");
+const std::string kStartedOver =
+    row(R"("heard": [{"id": 7, "age_ms": 1, "boot": 1763715000000000001, "cpu_boots": 1}])");
+const std::string kNewDaemon = row(R"("heard": [{"id": 7, "age_ms": 1, "boot": 1763715099000000001, "cpu_boots": 1}])");
+const std::string kNewDaemonBeforeItsCpu =
+    row(R"("heard": [{"id": 7, "age_ms": 1, "boot": 1763715099000000001, "cpu_boots": 0}])");
 
 TEST_F(Watching, ACpuThatIsStartedAgainIsNoticedOnce) {
   EXPECT_THAT(restarted_after({kOnce, kOnce}), ElementsAre());
@@ -100,7 +110,7 @@ TEST_F(Watching, ACpuThatIsStartedAgainIsNoticedOnce) {
 }
 
 TEST_F(Watching, AnOwnDaemonThatDoesNotAnswerRestartsNobody) {
-  EXPECT_THAT(restarted_after({kOnce, kNoAnswer, R"({"heard": []})", kOnce}), ElementsAre());
+  EXPECT_THAT(restarted_after({kOnce, kNoAnswer, row(R"("heard": [])"), kOnce}), ElementsAre());
 }
 
 TEST_F(Watching, ACpuThatIsStartedAgainWithItsDaemonIsNoticedOnce) {

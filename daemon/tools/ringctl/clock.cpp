@@ -176,34 +176,33 @@ std::size_t index_of(const RingAccess& ring, std::uint8_t id) {
   return index;
 }
 
-using Latches = std::vector<std::optional<json>>;
+using Latches = std::vector<std::optional<status::Latch>>;
 
 /// The last latch of each node, as told by its own daemon, or for a node on another host by its beacons.
 Latches last_latches(const RingAccess& ring) {
   Latches latches;
-  for (Answer& answer : ask_all(ring.ring(), ring.nodes_here(), {{"do", "latch"}}))
-    latches.push_back(std::move(answer.said));
+  for (const ask::Answer& answer : ask_all(ring.ring(), ring.nodes_here(), {{"do", "latch"}})) {
+    status::Latch latch;
+    const bool is_one = answer.said && status::read(*answer.said, latch).empty();
+    latches.push_back(is_one ? std::optional(latch) : std::nullopt);
+  }
   if (ring.hosts().empty()) return latches;
   Latches all;
-  const std::vector<json> rows = status_rows(ring);
+  const Rows rows = status_rows(ring);
   for (std::size_t i = 0, here = 0; i < ring.nodes().size(); ++i) {
     if (!ring.is_elsewhere(ring.nodes()[i]))
       all.push_back(latches[here++]);
     else
-      all.push_back(rows[i].contains("latch") ? std::optional<json>(rows[i]["latch"]) : std::nullopt);
+      all.push_back(rows[i].latch);
   }
   return all;
 }
 
 /// What this node latched since `before`, on a sync of `source`.
-std::optional<std::int64_t> new_latch(const std::optional<json>& before, const std::optional<json>& after,
-                                      std::uint8_t source) {
-  const auto count = [](const std::optional<json>& answer) {
-    return answer ? answer->value("count", std::uint64_t{0}) : 0;
-  };
-  if (!after || count(after) == count(before)) return std::nullopt;
-  if (after->value("source", 256u) != source) return std::nullopt;
-  return after->value("clock_ns", std::int64_t{0});
+std::optional<std::int64_t> new_latch(const std::optional<status::Latch>& before,
+                                      const std::optional<status::Latch>& after, std::uint8_t source) {
+  if (!after || after->count == (before ? before->count : 0) || after->source != source) return std::nullopt;
+  return static_cast<std::int64_t>(after->clock_ns);
 }
 
 /// For each node in ring order, the name of its host: nodes of one host share a clock.

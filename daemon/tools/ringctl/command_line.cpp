@@ -92,7 +92,7 @@ int act(const Context& context) {
   } catch (const HostPortError& problem) {
     return failed(problem, kNoRing);
   } catch (const nlohmann::json::exception& problem) {
-    return failed(std::runtime_error("a daemon: " + sentence_of_shape(problem.what())), kNoRing);
+    return failed(std::runtime_error("a daemon: " + ask::sentence_of_shape(problem.what())), kNoRing);
   } catch (const std::exception& problem) {
     return failed(problem, kNotDone);
   }

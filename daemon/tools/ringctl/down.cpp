@@ -33,7 +33,7 @@ std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
 bool ask_to_end(const std::string& ring, std::size_t daemons) {
   const auto answers = ask_all(ring, nodes_with_sockets(ring), {{"do", "shutdown"}});
   const auto agreed =
-      std::count_if(answers.begin(), answers.end(), [](const Answer& answer) { return answer.said.has_value(); });
+      std::count_if(answers.begin(), answers.end(), [](const ask::Answer& answer) { return answer.said.has_value(); });
   return static_cast<std::size_t>(agreed) == daemons;
 }
 

@@ -136,10 +136,10 @@ int list(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
   tell_unreadable(ring_directory(ring.ring()));
   const live::FaultList list = LiveFaults(ring.ring(), nodes_by_id(ring)).list();
-  json all = json::array();
-  for (const live::LiveFault& fault : list.faults) all.push_back(to_json(fault));
   if (options.json)
-    std::cout << json{{"ring", ring.ring()}, {"faults", all}, {"unknown", list.unknown}}.dump(2) << '\n';
+    std::cout << json{{"ring", ring.ring()}, {"faults", status::to_json(list.faults)}, {"unknown", list.unknown}}.dump(
+                     2)
+              << '\n';
   else if (!list.faults.empty())
     std::cout << fault_table(list.faults);
   else if (list.unknown.empty())
@@ -322,11 +322,9 @@ BegunFaults begin_fault(const std::string& ring, const fault::RingNodes& nodes, 
   return begun;
 }
 
-using live::LiveFault;
-
 namespace {
 
-std::string left_of(const LiveFault& fault) {
+std::string left_of(const status::Fault& fault) {
   std::string left;
   if (fault.packets_left) left = std::to_string(*fault.packets_left) + " packets";
   if (fault.seconds_left) left += (left.empty() ? "" : ", ") + app::number(*fault.seconds_left) + " s";
@@ -335,26 +333,15 @@ std::string left_of(const LiveFault& fault) {
 
 }  // namespace
 
-std::string fault_table(const std::vector<LiveFault>& faults) {
+std::string fault_table(const std::vector<status::Fault>& faults) {
   std::vector<std::vector<std::string>> table{{"id", "fault", "since s", "struck", "left"}};
-  for (const LiveFault& fault : faults)
-    table.push_back({fault.id, fault.words, app::number(fault.age_s),
+  for (const status::Fault& fault : faults)
+    table.push_back({fault.id.text, fault.fault, app::number(fault.age_s),
                      fault.waits       ? "waits"
                      : fault.hits == 0 ? "-"
                                        : std::to_string(fault.hits),
                      left_of(fault)});
   return app::text_table(table);
-}
-
-json to_json(const LiveFault& fault) {
-  return {{"id", fault.id},
-          {"name", fault.name},
-          {"fault", fault.words},
-          {"age_s", fault.age_s},
-          {"waits", fault.waits},
-          {"hits", fault.hits},
-          {"packets_left", fault.packets_left ? json(*fault.packets_left) : json()},
-          {"seconds_left", fault.seconds_left ? json(*fault.seconds_left) : json()}};
 }
 
 }  // namespace limb_ring::ringctl

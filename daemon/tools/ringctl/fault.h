@@ -1,7 +1,6 @@
 #pragma once
 
 #include <exception>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -20,8 +19,6 @@ BegunFaults begin_fault(const std::string& ring, const fault::RingNodes& nodes, 
                         const live::LiveFaults::Wait& wait);
 
 /// `ringctl fault list`: one line a fault, for people.
-std::string fault_table(const std::vector<live::LiveFault>& faults);
-/// ... and for programs; null for what the fault does not have.
-nlohmann::json to_json(const live::LiveFault& fault);
+std::string fault_table(const std::vector<status::Fault>& faults);
 
 }  // namespace limb_ring::ringctl

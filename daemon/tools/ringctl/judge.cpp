@@ -146,24 +146,22 @@ class JudgeRun {
     next_look_ = steady_clock::now() + kWarningLook;
     std::set<std::pair<std::uint8_t, std::string>> now;
     const std::vector<NodeName> nodes = ring_.nodes_here();
-    const auto answers = ask_all(ring_.ring(), nodes, {{"do", "status"}}, steady_clock::now() + kWarningWait);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (!answers[i].said || !wrong_in_row(*answers[i].said, nodes[i].id).empty()) continue;
-      for (const nlohmann::json& warning : answers[i].said->value("warnings", nlohmann::json::array())) {
-        const auto key = *now.emplace(nodes[i].id, warning.at("rule")).first;
+    for (const ask::ToldRow& row : ask_for_rows(ring_.ring(), nodes, steady_clock::now() + kWarningWait)) {
+      if (!row.said) continue;
+      for (const status::Warning& warning : row.said->warnings) {
+        const auto key = *now.emplace(row.said->id, warning.rule).first;
         if (warned_.count(key) == 0) print_warning(key.first, warning);
       }
     }
     warned_ = now;
   }
 
-  void print_warning(std::uint8_t node, const nlohmann::json& warning) const {
+  void print_warning(std::uint8_t node, const status::Warning& warning) const {
     if (options_.as_json)
-      std::cout << nlohmann::json{{"node", node}, {"rule", warning.at("rule")}, {"warning", warning.at("text")}}.dump()
+      std::cout << nlohmann::json{{"node", node}, {"rule", warning.rule}, {"warning", warning.text}}.dump()
                 << std::endl;
     else
-      std::cout << "warning  at node " << name_in(ring_, node) << ": " << warning.at("text").get<std::string>()
-                << std::endl;
+      std::cout << "warning  at node " << name_in(ring_, node) << ": " << warning.text << std::endl;
   }
 
   void tell_lost() {

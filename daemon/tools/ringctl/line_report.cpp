@@ -10,27 +10,22 @@
 
 namespace limb_ring::ringctl {
 
-using nlohmann::json;
+using status::NodeRow;
 
 namespace {
 
-bool has(const json& row, const char* member) { return row.contains(member) && row[member].is_object(); }
-
 /// The node behind a break knows best; where it does not answer, any other that was told.
-std::string broken_lines(const std::vector<json>& rows) {
-  std::map<json, std::string> lines;  // by the node behind
-  for (const json& row : rows) {
-    if (!has(row, "broken_line")) continue;
-    const json& line = row["broken_line"];
-    const bool knows = row["id"] == line["behind"];
-    if (!knows && lines.count(line["behind"]) != 0) continue;
+std::string broken_lines(const Rows& rows) {
+  std::map<std::uint8_t, std::string> lines;  // by the node behind
+  for (const NodeRow& row : rows) {
+    if (!row.broken_line) continue;
+    const status::BrokenLine& line = *row.broken_line;
+    if (row.id != line.behind && lines.count(line.behind) != 0) continue;
     // The beacons of a node on another host say where the break is, but not since when.
-    lines[line["behind"]] =
-        "broken line " + line_name(rows, line["before"], line["behind"]) +
-        (line.contains("since_s") ? " since " + app::number(line["since_s"].get<double>()) + " s" : "") +
-        (line.contains("announced_ms") ? ", announced after " + app::number(line["announced_ms"].get<double>()) + " ms"
-                                       : "") +
-        '\n';
+    lines[line.behind] = "broken line " + line_name(rows, line.before, line.behind) +
+                         (line.since_s ? " since " + app::number(*line.since_s) + " s" : "") +
+                         (line.announced_ms ? ", announced after " + app::number(*line.announced_ms) + " ms" : "") +
+                         '\n';
   }
   std::string text;
   for (const auto& [behind, line] : lines) text += line;
@@ -38,56 +33,51 @@ std::string broken_lines(const std::vector<json>& rows) {
 }
 
 /// The node whose second line leads to the node at `place`: the next one, in ring order, that is there; null if none.
-const json* answering_after(const std::vector<json>& rows, std::size_t place) {
+const NodeRow* answering_after(const Rows& rows, std::size_t place) {
   for (std::size_t i = 1; i < rows.size(); ++i)
-    if (const json& row = rows[(place + i) % rows.size()]; has(row, "fold") || row.value("elsewhere", false))
-      return &row;
+    if (const NodeRow& row = rows[(place + i) % rows.size()]; row.fold || row.elsewhere) return &row;
   return nullptr;
 }
 
 /// Reported because a broken second line has no other effect until a first line breaks, too, and then it is too late: a
 /// fold uses all second lines but the one beside the break.
-std::string broken_second_lines(const std::vector<json>& rows) {
+std::string broken_second_lines(const Rows& rows) {
   std::string text;
   for (std::size_t place = 0; place < rows.size(); ++place) {
-    const json& row = rows[place];
-    if (!has(row, "fold") || row["fold"]["second_input"] != "down") continue;
-    if (const json* from = answering_after(rows, place))
-      text += "broken second line " + line_name(rows, (*from)["id"], row["id"]) +
-              ": the ring can fold back only around " + line_name(rows, row["id"], (*from)["id"]) + '\n';
+    const NodeRow& row = rows[place];
+    if (!row.fold || row.fold->second_input != "down") continue;
+    if (const NodeRow* from = answering_after(rows, place))
+      text += "broken second line " + line_name(rows, from->id, row.id) + ": the ring can fold back only around " +
+              line_name(rows, row.id, from->id) + '\n';
   }
   return text;
 }
 
 /// Tolerance of noisy_line(): one in so many of a node's damaged packets may not have reached the next node yet.
-constexpr std::int64_t kUnderWay = 8;
-
-std::int64_t lately(const json& row, const char* name) {
-  return row.value("lately_damaged", json::object()).value(name, std::int64_t{0});
-}
+constexpr std::uint64_t kUnderWay = 8;
 
 /// A node that has been started since does not know any more which of them it has passed on.
-bool may_have_passed_on(const json& from, const json& row) {
-  return from.value("uptime_s", HUGE_VAL) <= row["lately_damaged"].value("oldest_s", 0.0);
+bool may_have_passed_on(const NodeRow& from, const status::LatelyDamaged& seen) {
+  return from.uptime_s.value_or(HUGE_VAL) <= seen.oldest_s;
 }
 
 /// The next node upstream of the one at `place` that counts damaged packets, and the lines from there, as a name. One
 /// that does not count, such as another program in a node's place, may have passed on what was damaged before it.
 struct Upstream {
-  const json* counts = nullptr;  ///< null: none
+  const NodeRow* counts = nullptr;  ///< null: none
   std::string lines;
 };
 
-Upstream upstream_of(const std::vector<json>& rows, const json& from, const json& node) {
+Upstream upstream_of(const Rows& rows, std::uint8_t from, std::uint8_t node) {
   Upstream found{nullptr, line_name(rows, from, node)};
-  const auto start = std::find_if(rows.begin(), rows.end(), [&](const json& row) { return row["id"] == from; });
+  const auto start = std::find_if(rows.begin(), rows.end(), [&](const NodeRow& row) { return row.id == from; });
   if (start == rows.end()) return found;
   const auto place = static_cast<std::size_t>(start - rows.begin());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const json& row = rows[(place + rows.size() - i) % rows.size()];
-    if (row["id"] == node) break;
-    if (i != 0) found.lines = node_name(rows, row["id"]) + " -> " + found.lines;
-    if (!has(row, "lately_damaged")) continue;
+    const NodeRow& row = rows[(place + rows.size() - i) % rows.size()];
+    if (row.id == node) break;
+    if (i != 0) found.lines = node_name(rows, row.id) + " -> " + found.lines;
+    if (!row.lately_damaged) continue;
     found.counts = &row;
     break;
   }
@@ -97,49 +87,46 @@ Upstream upstream_of(const std::vector<json>& rows, const json& from, const json
 /// A damaged packet is counted at every input that it reaches, so those that the previous node passed on are deducted:
 /// all but its own, which end there. The rows are not of one instant, so a few packets may have been counted at one
 /// node but not yet at the next.
-std::string noisy_line(const std::vector<json>& rows, const json& row) {
-  if (!has(row, "input") || row["input"]["from"].is_null()) return {};
-  const json& from = row["input"]["from"];
-  const std::int64_t seen = lately(row, "crc_errors");
-  if (seen == 0) return {};
-  const Upstream upstream = upstream_of(rows, from, row["id"]);
-  std::int64_t damaged = seen;
+std::string noisy_line(const Rows& rows, const NodeRow& row) {
+  if (!row.input || !row.input->from || !row.lately_damaged || row.lately_damaged->crc_errors == 0) return {};
+  const std::uint64_t seen = row.lately_damaged->crc_errors;
+  const Upstream upstream = upstream_of(rows, *row.input->from, row.id);
+  std::uint64_t passed_on = 0;
   if (upstream.counts != nullptr) {
-    if (may_have_passed_on(*upstream.counts, row)) return {};
-    damaged -= lately(*upstream.counts, "crc_errors") - lately(*upstream.counts, "returns_damaged");
+    if (may_have_passed_on(*upstream.counts, *row.lately_damaged)) return {};
+    const status::LatelyDamaged& before = *upstream.counts->lately_damaged;
+    passed_on = before.crc_errors - std::min(before.crc_errors, before.returns_damaged);
   }
+  const std::uint64_t damaged = seen - std::min(seen, passed_on);
   if (damaged <= seen / kUnderWay) return {};
-  return "noisy line " + upstream.lines + ": " + app::counted(static_cast<std::uint64_t>(damaged), "packet") +
-         " came in damaged in the last " + row["lately_damaged"]["within_s"].dump() + " s\n";
+  return "noisy line " + upstream.lines + ": " + app::counted(damaged, "packet") + " came in damaged in the last " +
+         std::to_string(row.lately_damaged->within_s) + " s\n";
 }
 
 /// Both ends of a line may report a refusal, for the first and the second line. One report per pair of nodes is enough.
-std::string refused_nodes(const std::vector<json>& rows) {
-  std::map<std::pair<json, json>, std::string> lines;
-  for (const json& row : rows)
-    for (const json& refusal : row.value("refusals", json::array()))
-      lines.emplace(std::minmax(refusal["refused"], refusal["by"]), refusal["text"].get<std::string>());
+std::string refused_nodes(const Rows& rows) {
+  std::map<std::pair<std::uint8_t, std::uint8_t>, std::string> lines;
+  for (const NodeRow& row : rows)
+    for (const status::Refusal& refusal : row.refusals)
+      lines.emplace(std::minmax(refusal.refused, refusal.by), refusal.text);
   std::string text;
   for (const auto& [nodes, line] : lines) text += line + '\n';
   return text;
 }
 
-std::string faults_on_purpose(const json& row) {
+std::string faults_on_purpose(const NodeRow& row) {
   std::string text;
-  for (const json& fault : row.value("faults", json::array())) {
-    const json& id = fault["id"];  // a number, or the word of what was done to a whole node
-    text += "fault on purpose " + row["name"].get<std::string>() + '.' +
-            (id.is_string() ? id.get<std::string>() : id.dump()) + ": " + fault["fault"].get<std::string>() + '\n';
-  }
+  for (const status::Fault& fault : row.faults)
+    text += "fault on purpose " + row.name + '.' + fault.id.text + ": " + fault.fault + '\n';
   return text;
 }
 
 }  // namespace
 
-std::string line_report(const std::vector<json>& rows) {
+std::string line_report(const Rows& rows) {
   std::string text = refused_nodes(rows) + broken_lines(rows) + broken_second_lines(rows);
-  for (const json& row : rows) text += noisy_line(rows, row);
-  for (const json& row : rows) text += faults_on_purpose(row);
+  for (const NodeRow& row : rows) text += noisy_line(rows, row);
+  for (const NodeRow& row : rows) text += faults_on_purpose(row);
   return text;
 }
 

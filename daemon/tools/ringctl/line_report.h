@@ -1,16 +1,17 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "config/node_row.h"
 
 namespace limb_ring::ringctl {
 
 /// What the rows of `status --json` say of lines that are broken, noisy, or made so on purpose: a line of text
 /// each, empty where all is well.
-std::string line_report(const std::vector<nlohmann::json>& rows);
+std::string line_report(const std::vector<status::NodeRow>& rows);
 
 /// How long a sync interrupt took from one node to the next that latched. (ours)
 struct LineDelay {

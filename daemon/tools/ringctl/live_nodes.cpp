@@ -165,7 +165,8 @@ void LiveNodes::take(std::size_t place, const Message& message) {
   const auto* reply = std::get_if<Reply>(&message);
   if (!reply) return on_message(place, message);
   if (node.asked == reply->token) {
-    node.row = json::parse(reply->json);
+    const std::string wrong = status::read(json::parse(reply->json), node.row.emplace());
+    if (!wrong.empty()) request_error_ = "node " + name(place) + ": " + ask::sentence_of_shape(wrong);
     node.asked.reset();
   } else {
     answered(place, *reply);

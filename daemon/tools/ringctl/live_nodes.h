@@ -47,7 +47,7 @@ class LiveNodes {
   /// all is well. @throw Interrupted
   std::string poll();
   /// The row of the last poll(); null if the node was not there.
-  const nlohmann::json* row(std::size_t place) const { return nodes_[place].row ? &*nodes_[place].row : nullptr; }
+  const status::NodeRow* row(std::size_t place) const { return nodes_[place].row ? &*nodes_[place].row : nullptr; }
   /// null where there is no connection.
   HostPort* port(std::size_t place) { return nodes_[place].port ? &*nodes_[place].port : nullptr; }
 
@@ -70,7 +70,7 @@ class LiveNodes {
     std::unique_ptr<live::LaunchedRing> daemons;  ///< one; null: not started, or killed
     bool frozen = false;
     std::optional<HostPort> port;
-    std::optional<nlohmann::json> row;
+    std::optional<status::NodeRow> row;
     std::optional<std::uint32_t> asked;   ///< for the row
     std::vector<nlohmann::json> pending;  ///< requests, until there is a connection
   };

@@ -57,38 +57,36 @@ LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPla
 // ---- view -----------------------------------------------------------------------------------
 
 core::NodeState LiveStage::state(NodeId id) const {
-  return from_word(nodes_.row(id)->value("state", ""), core::NodeState::duplicate_id);
+  return from_word(nodes_.row(id)->state, core::NodeState::duplicate_id);
 }
 
-unsigned LiveStage::ring_size(NodeId id) const { return nodes_.row(id)->value("ring_size", 0u); }
+unsigned LiveStage::ring_size(NodeId id) const { return nodes_.row(id)->ring_size.value_or(0); }
 
-NodeId LiveStage::place_of(const json& id) const {
+NodeId LiveStage::place_of(std::uint8_t id) const {
   const auto is = [&](const NodeName& node) { return node.id == id; };
   return static_cast<NodeId>(std::find_if(plan_.nodes.begin(), plan_.nodes.end(), is) - plan_.nodes.begin());
 }
 
 std::optional<wire::Beacon> LiveStage::heard(NodeId by, NodeId of) const {
-  const json& row = *nodes_.row(by);
-  const auto is = [&](const json& peer) { return place_of(peer.at("id")) == of; };
-  const json& peers = row.at("heard");
-  const auto peer = std::find_if(peers.begin(), peers.end(), is);
-  if (peer == peers.end()) return std::nullopt;
+  const status::NodeRow& row = *nodes_.row(by);
+  const auto is = [&](const status::Heard& peer) { return place_of(peer.id) == of; };
+  const auto peer = std::find_if(row.heard.begin(), row.heard.end(), is);
+  if (peer == row.heard.end()) return std::nullopt;
   wire::Beacon beacon;
-  beacon.cpu_state = from_word(peer->value("cpu_state", ""), wire::CpuState::failed);
-  beacon.cpu_boots = peer->value("cpu_boots", 0u);
-  const json& broken = row.at("broken_line");  // only the node behind a break announces it in its beacons
-  beacon.break_known = broken.is_object() && place_of(broken.at("behind")) == of;
-  if (beacon.break_known) beacon.break_before = place_of(broken.at("before"));
+  beacon.cpu_state = from_word(peer->cpu_state, wire::CpuState::failed);
+  beacon.cpu_boots = peer->cpu_boots;
+  const auto& broken = row.broken_line;  // only the node behind a break announces it in its beacons
+  beacon.break_known = broken && place_of(broken->behind) == of;
+  if (beacon.break_known) beacon.break_before = place_of(broken->before);
   beacon.break_behind = of;
   return beacon;
 }
 
 std::uint64_t LiveStage::counter(NodeId id, const std::string& name) const {
   if (!alive(id)) return 0;
-  const auto count = [&](const json& row) { return row.at("counters").value(name, std::uint64_t{0}); };
-  const json& row = *nodes_.row(id);
+  const status::NodeRow& row = *nodes_.row(id);
   const auto& first = first_rows_[id];
-  return count(row) - (first && first->at("pid") == row.at("pid") ? count(*first) : 0);
+  return row.counter(name) - (first && first->pid == row.pid ? first->counter(name) : 0);
 }
 
 const Tally& LiveStage::tally(const std::string& send) const {
@@ -109,7 +107,7 @@ std::vector<std::size_t> LiveStage::present() const {
 std::string LiveStage::first_not_ready() const {
   const std::vector<std::size_t> places = present();
   for (const std::size_t place : places) {
-    const json* row = nodes_.row(place);
+    const status::NodeRow* row = nodes_.row(place);
     const std::string lack = row ? lack_of_node(*row, places.size()) : "it does not answer yet";
     if (!lack.empty()) return "node " + label(plan_.nodes[place]) + ": " + lack + nodes_.last_lines(place);
   }
@@ -124,7 +122,7 @@ std::optional<scenario::Stage::Failure> LiveStage::begin() {
   run_until(ready, kToJoin, "every node joins");
   start_ = Clock::now();
   for (std::size_t place = 0; place < nodes_.size(); ++place)
-    if (const json* row = nodes_.row(place)) first_rows_[place] = *row;
+    if (const status::NodeRow* row = nodes_.row(place)) first_rows_[place] = *row;
   if (broken_) return broken_;
   if (!lack.empty()) return Failure{"every node joins within " + std::to_string(kToJoin.count()) + " s", lack};
   return std::nullopt;
@@ -298,8 +296,8 @@ LiveSenders::Clock::time_point LiveSenders::act() {
 bool LiveSenders::can_send(const Job& job) {
   if (!nodes_.running(job.from) || !nodes_.port(job.from)) return false;
   if (job.send.input) return true;
-  const json* row = nodes_.row(job.from);
-  const std::string cpu = row ? row->at("cpu").value("state", "") : "";
+  const status::NodeRow* row = nodes_.row(job.from);
+  const std::string cpu = row ? row->cpu.state : "";
   return silenced_by_[job.from] == 0 && (cpu == "running" || cpu == "silent");  // silent: it was hung a moment ago
 }
 

@@ -107,7 +107,7 @@ class LiveStage final : public scenario::Stage {
  private:
   using Clock = LiveNodes::Clock;
 
-  wire::NodeId place_of(const nlohmann::json& id) const;
+  wire::NodeId place_of(std::uint8_t id) const;
   std::vector<std::size_t> present() const;  ///< at the start
   std::string first_not_ready() const;
   void poll();
@@ -133,7 +133,7 @@ class LiveStage final : public scenario::Stage {
   std::mt19937_64 random_;
   Clock::time_point start_{};
   std::vector<std::unique_ptr<scenario_cpu::TakenBoard>> boards_;
-  std::vector<std::optional<nlohmann::json>>
+  std::vector<std::optional<status::NodeRow>>
       first_rows_;  ///< at the start: what joining counted is not part of the scenario
   std::optional<Failure> broken_;
   scenario::LastingFaults lasting_;

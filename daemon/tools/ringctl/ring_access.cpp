@@ -28,20 +28,6 @@ using std::chrono::steady_clock;
 
 namespace {
 
-std::vector<NodeName> names_of(const nlohmann::json& config) {
-  std::vector<NodeName> nodes;
-  for (const auto& node : config.at("nodes"))
-    nodes.push_back({node.at("id").get<std::uint8_t>(), node.at("name").get<std::string>(), node.value("host", "")});
-  return nodes;
-}
-
-std::vector<RingHost> hosts_of(const nlohmann::json& config) {
-  std::vector<RingHost> hosts;
-  for (const auto& host : config.value("hosts", nlohmann::json::array()))
-    hosts.push_back({host.value("name", ""), host.value("address", ""), host.value("ssh", "")});
-  return hosts;
-}
-
 std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
   const auto found = std::find_if(nodes.begin(), nodes.end(), [id](const NodeName& node) { return node.id == id; });
   if (found == nodes.end()) throw HostPortError("a daemon that is not in its own ring: " + std::to_string(id));
@@ -51,17 +37,17 @@ std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
 /// @param look called now and then while it waits; it may throw
 RingDescription described_by(const std::string& ring, const std::string& node, const std::function<void()>& look) {
   HostPort port = connect_node(ring, node, Stay::asks_only, look);
-  const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime, look);
-  const std::string wrong = wrong_in_config(config);
-  if (!wrong.empty()) throw HostPortError("node " + node + ": " + sentence_of_shape(wrong));
+  status::Configured config;
+  const std::string wrong = status::read(ask(port, {{"do", "config"}}, kAnswerTime, look), config);
+  if (!wrong.empty()) throw HostPortError("node " + node + ": " + ask::sentence_of_shape(wrong));
   RingDescription described;
   described.ring = ring;
-  described.nodes = names_of(config);
+  for (const auto& one : config.nodes) described.nodes.push_back({one.id, one.name, one.host});
   described.answered = index_of(described.nodes, port.id());
-  described.hosts = hosts_of(config);
-  described.path = config.value("path", "");
-  described.folds_back = config.value("folds_back", false);
-  described.beacon = std::chrono::milliseconds(config.value("beacon_ms", 0));
+  described.hosts = config.hosts;
+  described.path = config.path;
+  described.folds_back = config.folds_back;
+  described.beacon = std::chrono::milliseconds(config.beacon_ms);
   return described;
 }
 
@@ -115,7 +101,7 @@ class Search {
   struct Waits {};
 
   std::optional<RingDescription> among_all(const std::vector<std::string>& nodes) {
-    process::in_parallel(nodes.size(), kAskers, [&](std::size_t i) {
+    process::in_parallel(nodes.size(), nodes.size(), [&](std::size_t i) {
       try {
         found(described_by(ring_, nodes[i], [&] { look(nodes.front()); }));
       } catch (const HostPortError& problem) {
@@ -225,26 +211,9 @@ const NodeName& RingAccess::source(const std::string& id_or_name) const {
   return id_or_name.empty() ? answered() : node(id_or_name);
 }
 
-std::vector<ask::Node> RingAccess::ask_nodes() const {
-  std::vector<ask::Node> nodes;
-  for (const NodeName& node : ring_.nodes) nodes.push_back({node.id, node.name});
-  return nodes;
-}
-
 HostPort RingAccess::connect(const NodeName& node, Stay stay) const {
   require_here(node);
   return connect_node(ring(), std::to_string(node.id), stay);
-}
-
-HostPort connect_within(std::chrono::milliseconds time, const std::string& ring, const std::string& node, Stay stay) {
-  const auto deadline = std::chrono::steady_clock::now() + time;
-  return connect_node(ring, node, stay, [time, deadline] {
-    if (std::chrono::steady_clock::now() >= deadline) throw HostPortTimeout(no_answer_within(time));
-  });
-}
-
-std::string no_answer_within(std::chrono::milliseconds time) {
-  return "its daemon did not answer within " + std::to_string(time.count()) + " ms";
 }
 
 HostPortError gone(const HostPort& port, const std::string& reason) {

@@ -17,21 +17,10 @@ namespace limb_ring::ringctl {
 using live::connect_node;
 using live::Stay;
 
-/// As connect_node(), with an end. @throw HostPortTimeout, worded by no_answer_within(), where it takes longer
-HostPort connect_within(std::chrono::milliseconds time, const std::string& ring, const std::string& node, Stay stay);
-
-/// "its daemon did not answer within 500 ms"
-std::string no_answer_within(std::chrono::milliseconds time);
-
 /// The error for a daemon that has gone while it was asked: names the node, and says why.
 HostPortError gone(const HostPort& port, const std::string& reason);
 
-/// A node as a running ring tells of it.
-struct NodeName {
-  std::uint8_t id = 0;
-  std::string name;
-  std::string host = {};  ///< empty where the ring's file gives no hosts
-};
+using NodeName = ask::Node;
 
 /// "12 (left_knee)"
 std::string label(const NodeName& node);
@@ -44,10 +33,7 @@ using Deadline = std::chrono::steady_clock::time_point;
 constexpr Deadline kNoDeadline = Deadline::max();
 
 /// A machine that runs some of the nodes.
-struct RingHost {
-  std::string name, address;
-  std::string ssh;  ///< where ssh finds it
-};
+using RingHost = status::ConfiguredHost;
 
 /// All daemons of the ring that live are frozen.
 struct AllFrozen : NoRing {
@@ -82,7 +68,6 @@ class RingAccess {
   bool folds_back() const { return ring_.folds_back; }
   std::chrono::milliseconds beacon() const { return ring_.beacon; }
   const std::vector<NodeName>& nodes() const { return ring_.nodes; }
-  std::vector<ask::Node> ask_nodes() const;  ///< the same for daemon/ring
 
   const std::vector<RingHost>& hosts() const { return ring_.hosts; }
   const std::string& here() const { return answered().host; }  ///< this host; empty where there are none

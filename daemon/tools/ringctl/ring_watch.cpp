@@ -6,100 +6,71 @@
 
 namespace limb_ring::ringctl {
 
-using nlohmann::json;
+using status::NodeRow;
 
 namespace {
 
 std::string knows_ring_of(std::size_t size) { return "it knows a ring of " + std::to_string(size) + " nodes"; }
 
 /// What may be the reason.
-std::string warning_of(const json& row) {
+std::string warning_of(const NodeRow& row) {
   std::string all;
-  for (const json& warning : row.value("warnings", json::array()))
-    all += (all.empty() ? "" : "; ") + warning.at("text").get<std::string>();
+  for (const status::Warning& warning : row.warnings) all += (all.empty() ? "" : "; ") + warning.text;
   return all.empty() ? "" : " (" + all + ")";
 }
 
 /// Also after a stop it runs.
-std::string lack_of_cpu(const json& row) {
-  const json cpu = row.value("cpu", json::object());
-  const std::string word = cpu_word(row);
-  if (cpu.value("kind", "") != "child" || word == "running" || word == "stopped") return {};
-  const json last_exit = cpu.value("last_exit", json());
-  const std::string why = last_exit.is_string() ? last_exit.get<std::string>() : "";
+std::string lack_of_cpu(const NodeRow& row) {
+  const std::string word = cpu_word(row), why = row.cpu.last_exit.value_or("");
+  if (row.cpu.kind != "child" || word == "running" || word == "stopped") return {};
   return "its CPU is " + word + (why.empty() ? "" : " (" + why + ")");
 }
 
 /// Of one on another host: its beacons say no more.
-std::string lack_elsewhere(const json& row) {
+std::string lack_elsewhere(const NodeRow& row) {
   const std::string word = cpu_word(row);
   return word == "booting" || word == "failed" ? "its CPU is " + word : "";
 }
 
+std::string not_there(const ask::ToldRow& told) { return told.why_not.empty() ? "it is frozen" : told.why_not; }
+
 }  // namespace
 
-std::string lack_of_node(const json& row, std::size_t nodes) {
-  const std::string state = row.value("state", "unknown");
-  if (row.contains("unanswered")) return "it has not answered: " + row.value("unanswered", "");
-  if (state != "up") return "it is " + state + warning_of(row);
-  if (row.value("elsewhere", false)) return lack_elsewhere(row);
-  const std::size_t size = row.value("ring_size", std::size_t{0});
+std::string lack_of_node(const NodeRow& row, std::size_t nodes) {
+  if (!row.unanswered.empty()) return "it has not answered: " + row.unanswered;
+  if (row.state != "up") return "it is " + row.state + warning_of(row);
+  if (row.elsewhere) return lack_elsewhere(row);
+  const std::size_t size = row.ring_size.value_or(0);
   if (size != nodes) return knows_ring_of(size) + ", not " + std::to_string(nodes);
-  if (row.value(json::json_pointer("/fold/second_input"), "up") != "up") return "its second line in is broken";
+  if (row.fold && row.fold->second_input != "up") return "its second line in is broken";
   return lack_of_cpu(row);
 }
 
-std::string lack_in_part(const json& row, std::size_t nodes) {
-  const std::string state = row.value("state", "unknown");
+std::string lack_in_part(const NodeRow& row, std::size_t nodes) {
+  const std::string& state = row.state;
   if (state == "starting" || state == "joining" || state == "duplicate_id") return "it is " + state + warning_of(row);
-  const std::size_t size = row.value("ring_size", std::size_t{0});
+  const std::size_t size = row.ring_size.value_or(0);
   if (state != "open_chain" && size < nodes)
     return knows_ring_of(size) + "; " + std::to_string(nodes) + " are on this host";
   return lack_of_cpu(row);
 }
 
-RingWatch::RingWatch(const RingPlan& plan) : plan_(plan) { ports_.resize(plan.nodes.size()); }
+RingWatch::RingWatch(const RingPlan& plan) : plan_(plan), client_(plan.ring, plan.nodes, Stay::for_long) {}
 
 std::optional<RingWatch::NotReady> RingWatch::first_not_ready() {
-  for (std::size_t i = 0; i < plan_.nodes.size(); ++i) {
-    const std::string lack = lack_of(i);
-    if (!lack.empty()) return NotReady{i, "node " + label(plan_.nodes[i]) + ": " + lack + refusal()};
+  const auto told = client_.status(std::chrono::steady_clock::now() + kAnswerTime);
+  refusal_.clear();
+  std::optional<NotReady> first;
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const auto& row = told[i].said;
+    if (row) ring_size_ = row->ring_size.value_or(0);
+    if (row && refusal_.empty() && !row->refusals.empty()) refusal_ = "; " + row->refusals.front().text;
+    const std::string lack =
+        row ? (plan_.is_part() ? lack_in_part : lack_of_node)(*row, told.size()) : not_there(told[i]);
+    if (!first && !lack.empty()) first = NotReady{i, "node " + label(plan_.nodes[i]) + ": " + lack};
   }
-  return std::nullopt;
-}
-
-std::string RingWatch::refusal() {
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    const json row = status_of(i);
-    for (const json& refusal : row.value("refusals", json::array())) return "; " + refusal.value("text", "");
-  }
-  return {};
-}
-
-json RingWatch::status_of(std::size_t index) {
-  auto& port = ports_[index];
-  try {
-    const json status = port ? ask(*port, {{"do", "status"}}, kAnswerTime) : json::object();
-    return wrong_in_row(status, plan_.nodes[index].id).empty() ? status : json::object();
-  } catch (const std::exception&) {
-    port.reset();
-    return json::object();
-  }
-}
-
-std::string RingWatch::lack_of(std::size_t index) {
-  auto& port = ports_[index];
-  try {
-    if (!port) port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[index].id)));
-    const json status = ask(*port, {{"do", "status"}}, kAnswerTime);
-    const std::string wrong = wrong_in_row(status, plan_.nodes[index].id);
-    if (!wrong.empty()) return sentence_of_shape(wrong);
-    ring_size_ = status.value("ring_size", std::size_t{0});
-    return (plan_.is_part() ? lack_in_part : lack_of_node)(status, plan_.nodes.size());
-  } catch (const std::exception& problem) {
-    port.reset();
-    return problem.what();
-  }
+  if (first) first->lack += refusal_;
+  return first;
 }
 
 }  // namespace limb_ring::ringctl

@@ -125,9 +125,8 @@ constexpr std::array<Counter, 4> kCounters{{{"refused_cpu_absent", Reason::cpu_a
                                             {"refused_unwired", Reason::pin_unwired}}};
 
 /// The counter of refusals does not say whether a missing CPU is absent, boots or has failed; the CPU's state does.
-Reason refined(Reason reason, const nlohmann::json& row) {
-  if (!row.contains("cpu")) return reason;
-  const std::string state = row["cpu"].value("state", "");
+Reason refined(Reason reason, const status::NodeRow& row) {
+  const std::string& state = row.cpu.state;
   if (reason == Reason::cpu_absent && state == "booting") return Reason::cpu_booting;
   if (reason == Reason::cpu_absent && state == "failed") return Reason::cpu_failed;
   if (reason == Reason::no_buffer && state == "silent") return Reason::cpu_silent;
@@ -144,7 +143,7 @@ void RefusalCounters::explain(std::vector<Result>& results, const std::vector<as
     const auto then = before_.find(id);
     if (then == before_.end()) continue;
     for (const Counter& counter : kCounters) {
-      if (counter_of(row, counter.name) <= counter_of(then->second, counter.name)) continue;
+      if (row.counter(counter.name) <= then->second.counter(counter.name)) continue;
       if (reasons.insert(refined(counter.reason, row)).second)
         where += (where.empty() ? "" : ", ") + name_of(nodes, id);
     }

@@ -182,7 +182,7 @@ Sends send_all(HostPort& port, unsigned count, const std::function<std::uint32_t
 Sends send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
                        const std::function<std::uint32_t()>& send, std::chrono::nanoseconds interval) {
   std::vector<ask::Node> nodes;
-  for (const ask::Node& node : ring.ask_nodes())
+  for (const ask::Node& node : ring.nodes())
     if (to == kBroadcast || node.id == to) nodes.push_back(node);
   const RefusalCounters counters(ask::status_rows(ring.ring(), nodes, kRowTime));
   Sends sends = send_all(port, count, send, interval);

@@ -26,32 +26,35 @@
 namespace limb_ring::ringctl {
 namespace {
 
+using status::NodeRow;
 using std::chrono::duration;
 using std::chrono::steady_clock;
 
 struct StatusOptions {
   std::string ring;
   double interval_s = 1;
-  bool json = false, all = false, pids = false, watch = false, once = false;
+  bool json = false, all = false, pids = false, watch = false, once = false, fields = false;
 };
 
-void drop_zeros(nlohmann::json& counters) {
-  for (auto it = counters.begin(); it != counters.end();) it = it.value() == 0 ? counters.erase(it) : std::next(it);
+void drop_zeros(std::map<std::string, std::uint64_t>& counters) {
+  for (auto it = counters.begin(); it != counters.end();) it = it->second == 0 ? counters.erase(it) : std::next(it);
 }
 
-void print_json(const RingAccess& ring, std::vector<nlohmann::json> rows, bool all_counters) {
-  for (auto& row : rows) {
-    row.erase("ring");  // once is enough
-    row["cpu"]["state"] = cpu_word(row);
-    if (!all_counters) drop_zeros(row["counters"]);
+void print_json(const RingAccess& ring, Rows rows, bool all_counters) {
+  nlohmann::json nodes = nlohmann::json::array();
+  for (NodeRow& row : rows) {
+    row.ring.clear();  // once is enough
+    row.cpu.state = cpu_word(row);
+    if (!all_counters) drop_zeros(row.counters);
+    nodes.push_back(to_json(row));
   }
-  nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
+  nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", nodes}};
   const nlohmann::json clock = ring_clock(ring.ring());
   if (clock.is_object()) all["clock"] = clock;
   std::cout << all.dump(2) << '\n';
 }
 
-void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows, bool pids) {
+void print_text(const RingAccess& ring, const Rows& rows, bool pids) {
   StatusStyle style;
   style.pids = pids;
   style.colour = app::colour_wanted(STDOUT_FILENO);
@@ -59,9 +62,7 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
   const std::string heading = headline(ring.ring(), rows) + clock_words(ring_clock(ring.ring()));
   std::cout << app::wrapped(heading, style.width) << status_table(rows, style)
-            << app::wrapped(round_trips_since(rows) + line_report(rows) + unanswered_report(rows) + down_report(rows) +
-                                cpu_report(rows) + warning_report(rows) + stop_report(rows) + supervision_text(rows),
-                            style.width);
+            << app::wrapped(round_trips_since(rows) + whole_report(rows), style.width);
 }
 
 /// Of a ring that is frozen as a whole, the nodes that its files tell of.
@@ -109,9 +110,7 @@ TopStyle style() {
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
                   const TopStyle& style) {
   return top_table(headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
-                   round_trips_since(now.rows) + line_report(now.rows) + unanswered_report(now.rows) +
-                       down_report(now.rows) + cpu_report(now.rows) + warning_report(now.rows) + stop_report(now.rows) +
-                       supervision_text(now.rows));
+                   round_trips_since(now.rows) + whole_report(now.rows));
 }
 
 nlohmann::json json_of(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows) {
@@ -154,6 +153,10 @@ int watch(const Context& context, const StatusOptions& options) {
 }
 
 int run(const Context& context, const StatusOptions& options) {
+  if (options.fields) {
+    std::cout << status::members_of_row();
+    return kDone;
+  }
   if (options.watch && options.json && !options.once) throw UsageError("--watch --json goes with --once");
   return options.watch ? watch(context, options) : show_once(context, options);
 }
@@ -175,31 +178,27 @@ void add_status(CLI::App& app, Context& context) {
   command->add_flag("--once", options->once, "Print the rates of one interval, and end")->needs(watch);
   command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too")->excludes(watch);
   add_json(*command, options->json);
+  command->add_flag("--fields", options->fields, "What the members of --json mean, as a table, and end");
   command->add_flag("-a,--all", options->all, "With --json: counters that are zero, too")->excludes(watch);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
-
-using nlohmann::json;
 
 namespace {
 
 constexpr std::size_t kLeastName = 8;
 
-std::string whole(const json& row, const char* pointer) {
-  const json value = row.value(json::json_pointer(pointer), json());
-  return value.is_number() && value.get<double>() >= 0 ? value.dump() : "-";
+template <class Number>
+std::string whole(const std::optional<Number>& number) {
+  return number ? std::to_string(*number) : "-";
 }
 
-std::string trip(const json& row, const char* which) {
-  return us_cell(row.value(json::json_pointer(std::string("/round_trip_us/") + which), json()));
-}
-
-std::vector<std::string> cells(const json& row, bool pids) {
-  std::vector<std::string> all{whole(row, "/id"),        row.value("name", ""), row.value("state", ""),
-                               whole(row, "/ring_size"), cpu_word(row),         whole(row, "/cpu/boots"),
-                               trip(row, "p50"),         trip(row, "p99"),      trip(row, "max")};
-  if (pids) all.insert(all.end(), {whole(row, "/pid"), whole(row, "/cpu/pid")});
-  if (row.contains("host")) all.push_back(row.value("host", ""));
+std::vector<std::string> cells(const NodeRow& row, bool pids) {
+  const status::RoundTrips& trip = row.round_trip_us;
+  std::vector<std::string> all{std::to_string(row.id), row.name,          row.state,
+                               whole(row.ring_size),   cpu_word(row),     whole(row.cpu.boots),
+                               us_cell(trip.p50),      us_cell(trip.p99), us_cell(trip.max)};
+  if (pids) all.insert(all.end(), {whole(row.pid), whole(row.cpu.pid)});
+  if (!row.host.empty()) all.push_back(row.host);
   return all;
 }
 
@@ -225,11 +224,7 @@ std::string fitted(std::vector<std::vector<std::string>> table, std::size_t widt
 
 }  // namespace
 
-std::string us_cell(const json& value) {
-  if (!value.is_number()) return "-";
-  const double us = value.get<double>();
-  return app::number(us, us < 999.95 ? 1 : 0);
-}
+std::string us_cell(std::optional<double> us) { return us ? app::number(*us, *us < 999.95 ? 1 : 0) : "-"; }
 
 const char* status_colour(const std::string& state, const std::string& cpu) {
   if (state != "up" && state != "folded") return app::kRed;
@@ -238,19 +233,18 @@ const char* status_colour(const std::string& state, const std::string& cpu) {
   return "";
 }
 
-std::string status_table(const std::vector<json>& rows, const StatusStyle& style) {
+std::string status_table(const Rows& rows, const StatusStyle& style) {
   std::vector<std::vector<std::string>> table{
       {"id", "name", "state", "ring", "cpu", "boots", "p50 us", "p99 us", "max us"}};
   if (style.pids) table[0].insert(table[0].end(), {"pid", "cpu pid"});
-  if (!rows.empty() && rows.front().contains("host")) table[0].push_back("host");
-  for (const json& row : rows) table.push_back(cells(row, style.pids));
+  if (!rows.empty() && !rows.front().host.empty()) table[0].push_back("host");
+  for (const NodeRow& row : rows) table.push_back(cells(row, style.pids));
   const std::string text = fitted(std::move(table), style.width);
   if (!style.colour) return text;
   std::istringstream lines(text);
   std::string out, line;
   for (std::size_t i = 0; std::getline(lines, line); ++i) {
-    const std::string colour =
-        i == 0 ? app::kDim : status_colour(rows[i - 1].value("state", ""), cpu_word(rows[i - 1]));
+    const std::string colour = i == 0 ? app::kDim : status_colour(rows[i - 1].state, cpu_word(rows[i - 1]));
     out += colour + line + (colour.empty() ? "" : app::kPlain) + '\n';
   }
   return out;

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
-#include <vector>
+
+#include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 
@@ -13,12 +14,12 @@ struct StatusStyle {
 };
 
 /// Status rows, one line each, for people.
-std::string status_table(const std::vector<nlohmann::json>& rows, const StatusStyle& style = {});
+std::string status_table(const Rows& rows, const StatusStyle& style = {});
 
 /// Red for a node that is not up, yellow for a CPU that should run and does not, else none (an empty text).
 const char* status_colour(const std::string& state, const std::string& cpu);
 
-/// Microseconds for people: a decimal only where it says something.
-std::string us_cell(const nlohmann::json& value);
+/// Microseconds for people: a decimal only where it says something; "-" for none.
+std::string us_cell(std::optional<double> us);
 
 }  // namespace limb_ring::ringctl

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
-#include <vector>
 
 #include "tools/ringctl/answers.h"
 #include "tools/ringctl/top_table.h"
@@ -23,20 +21,17 @@ class StatusPoll {
   StatusSample sample();
   /// Hands over what is observed until then.
   void listen(std::chrono::steady_clock::time_point until);
-  bool is_connected(std::size_t node) const { return ports_[node] && ports_[node]->connected(); }
+  bool is_connected(std::size_t node) { return client_.port(node) != nullptr; }
   /// Gives a node that is connected its order again.
   void observe(std::size_t node);
 
  private:
-  std::vector<Answer> round(bool with_heard);
-  std::optional<std::uint32_t> ask(std::size_t index, const std::string& request, std::string& why_not);
-  Answer answer(std::size_t index, std::uint32_t token, std::chrono::steady_clock::time_point deadline);
+  std::vector<ask::ToldRow> round(bool with_heard);
   void drain(std::size_t index);
 
   const RingAccess& ring_;
   Order order_;
-  Seen seen_;
-  std::vector<std::optional<HostPort>> ports_;
+  ask::RingClient client_;
   bool wants_heard_ = false;  ///< a node did not answer: what the others have heard of it tells its state
 };
 

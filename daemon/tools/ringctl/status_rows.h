@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -10,59 +9,59 @@
 
 namespace limb_ring::ringctl {
 
-// A status row is what a daemon answers to "status" (docs/reference/requests.md).
+/// In ring order.
+using Rows = std::vector<status::NodeRow>;
 
-/// The row of a node that has no daemon: state "down", and null for what only that knows.
-nlohmann::json down_row(const NodeName& node);
+/// The row of a node that has no daemon: state "down", and nothing of what only that knows.
+status::NodeRow down_row(const NodeName& node);
 /// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. For a node that has not answered:
 /// "frozen" and its pid if its process on this host is stopped; "unanswered", its pid and the reason, if that lives, or
 /// if that cannot be known; `elsewhere`, with state, CPU and clock latch from its beacons, if these are heard and it is
 /// on another host or has never run on this one; else "down".
-/// @param answers to "status", in ring order; one that is no status row counts as none
-std::vector<nlohmann::json> complete_rows(const RingAccess& ring, std::vector<Answer> answers);
+/// @param told in ring order
+Rows complete_rows(const RingAccess& ring, const std::vector<ask::ToldRow>& told);
 /// The same of all daemons on this host, asked now.
-std::vector<nlohmann::json> status_rows(const RingAccess& ring, Deadline deadline = kNoDeadline);
+Rows status_rows(const RingAccess& ring, Deadline deadline = kNoDeadline);
 
 /// @name What a row means, in the words that status, top and wait share
 ///@{
 /// The name of the node with that id, or the id where it has no row.
-std::string node_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& id);
+std::string node_name(const Rows& rows, std::uint8_t id);
 /// "left_hip -> left_knee", by their ids.
-std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& before,
-                      const nlohmann::json& behind);
+std::string line_name(const Rows& rows, std::uint8_t before, std::uint8_t behind);
 /// "running", "booting" ...; "hung" if its process is stopped, or by the supervisor's verdict: the node's own network
 /// controller says no more than "silent", and that only of a CPU that has promised to speak; "stopped" since a stop,
 /// until `resume`.
-std::string cpu_word(const nlohmann::json& row);
+std::string cpu_word(const status::NodeRow& row);
 /// "round trips of the last 60 s": since when the percentiles of these rows are; empty where there are none.
-std::string round_trips_since(const std::vector<nlohmann::json>& rows);
-/// The value of a counter; 0 where the row does not have it.
-std::uint64_t counter_of(const nlohmann::json& row, const std::string& name);
+std::string round_trips_since(const Rows& rows);
 /// Packets, and datagrams of them, that were damaged, lost or thrown away at this node since its start:
 /// ErrorCounter::of_packets, added up.
-std::uint64_t errors_of(const nlohmann::json& row);
+std::uint64_t errors_of(const status::NodeRow& row);
 /// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back, or an open chain and where it is broken.
-std::string headline(const std::string& ring, const std::vector<nlohmann::json>& rows);
+std::string headline(const std::string& ring, const Rows& rows);
 /// The nodes that have not answered, and why; empty where all have.
-std::string unanswered_report(const std::vector<nlohmann::json>& rows);
+std::string unanswered_report(const Rows& rows);
 /// The nodes whose daemon has ended by itself, if their logs are kept; empty if none has.
-std::string down_report(const std::vector<nlohmann::json>& rows);
+std::string down_report(const Rows& rows);
 /// The CPUs that have failed, why, and the command that shows what they printed; empty if none has.
-std::string cpu_report(const std::vector<nlohmann::json>& rows);
+std::string cpu_report(const Rows& rows);
 /// What nodes warn of, such as too few file descriptors; empty where none does.
-std::string warning_report(const std::vector<nlohmann::json>& rows);
+std::string warning_report(const Rows& rows);
 /// The nodes that are stopped, and what ends it; empty where none is.
-std::string stop_report(const std::vector<nlohmann::json>& rows);
+std::string stop_report(const Rows& rows);
+/// All of these, with line_report() and supervision_text().
+std::string whole_report(const Rows& rows);
 ///@}
 
 /// @name What the ring's supervisor says in its own status row, told of all
 /// Rows as of `status --json`; a supervisor that does not answer says nothing.
 ///@{
 /// Adds `cpu.verdict` to the row of every CPU that is watched.
-void add_verdicts(std::vector<nlohmann::json>& rows);
+void add_verdicts(Rows& rows);
 
 /// A line for each watched CPU that is in trouble or was; empty where none.
-std::string supervision_text(const std::vector<nlohmann::json>& rows);
+std::string supervision_text(const Rows& rows);
 ///@}
 
 }  // namespace limb_ring::ringctl

@@ -62,7 +62,7 @@ class Stop {
  public:
   Stop(const RingAccess& ring, const StopOptions& options) : ring_(ring) {
     stop_.ring = ring.ring();
-    stop_.nodes = ring.ask_nodes();
+    stop_.nodes = ring.nodes();
     stop_.of_all = options.node == "all";
     if (!stop_.of_all) stop_.nodes = {{ring.node(options.node).id, ring.node(options.node).name}};
     stop_.sent = std::chrono::steady_clock::now();
@@ -210,7 +210,7 @@ void print_text(const std::vector<ask::Resumed>& all, bool from_is_free) {
 int run(const Context& context, const ResumeOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   HostPort port = ring.connect(ring.source(options.from));
-  const std::vector<ask::Node> latched = ask::nodes_with_latched_stop(ring.ring(), ring.ask_nodes());
+  const std::vector<ask::Node> latched = ask::nodes_with_latched_stop(ring.ring(), ring.nodes());
   std::vector<ask::Resumed> all;
   for (const NodeName& node : meant(ring, port, options.node, latched))
     while_telling(ring.ring(), [&] {
@@ -218,7 +218,7 @@ int run(const Context& context, const ResumeOptions& options) {
                      send_resume(ring, port, node.id, options.from.empty()),
                      ask::is_among(latched, node.id)});
     });
-  ask::look_at(ring.ring(), ring.ask_nodes(), all);
+  ask::look_at(ring.ring(), ring.nodes(), all);
   if (options.json)
     print_json(all);
   else
@@ -255,7 +255,7 @@ int run(const Context& context, const ResetOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   ask::ResetQuery query;
   query.ring = ring.ring();
-  query.nodes = ring.ask_nodes();
+  query.nodes = ring.nodes();
   query.target = ring.node(options.node).id;
   query.from = ring.source(options.from).id;
   query.from_is_free = options.from.empty();

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <initializer_list>
 #include <optional>
 #include <sstream>
 
@@ -17,34 +16,26 @@
 namespace limb_ring::ringctl {
 
 using nlohmann::json;
+using status::NodeRow;
 
 namespace {
 
-std::uint64_t sum(const json& row, std::initializer_list<const char*> names) {
-  std::uint64_t all = 0;
-  for (const char* name : names) all += counter_of(row, name);
-  return all;
+std::uint64_t packets_out(const NodeRow& row) {
+  return row.counter("relayed_data") + row.counter("relayed_interrupts") + row.counter("sent_data") +
+         row.counter("sent_interrupts");
 }
 
-std::uint64_t packets_out(const json& row) {
-  return sum(row, {"relayed_data", "relayed_interrupts", "sent_data", "sent_interrupts"});
-}
-
-std::uint64_t bytes_in(const json& row) {
-  return ask::line_bytes_in([&row](const char* name) { return counter_of(row, name); });
+std::uint64_t bytes_in(const NodeRow& row) {
+  return ask::line_bytes_in([&row](const char* name) { return row.counter(name); });
 }
 
 /// Both rows are of the same boot, so the counters have not restarted at 0 in between.
-bool comparable(const json& before, const json& now) {
-  return now.contains("pid") && now["pid"].is_number() && before.value("pid", json()) == now["pid"];
-}
+bool comparable(const NodeRow& before, const NodeRow& now) { return now.pid && before.pid == now.pid; }
 
 /// By the node's own clock, which on a virtual ring is not the machine's.
 double elapsed(const StatusSample& before, const StatusSample& now, std::size_t index) {
-  const json then = before.rows[index].value("uptime_s", json()),
-             at_present = now.rows[index].value("uptime_s", json());
-  if (!then.is_number() || !at_present.is_number()) return now.at_s - before.at_s;
-  return at_present.get<double>() - then.get<double>();
+  const auto then = before.rows[index].uptime_s, at_present = now.rows[index].uptime_s;
+  return then && at_present ? *at_present - *then : now.at_s - before.at_s;
 }
 
 /// Growth of a figure per second; nothing if it is not known.
@@ -57,42 +48,41 @@ std::optional<double> rate(const StatusSample& before, const StatusSample& now, 
   return static_cast<double>(at_present - then) / seconds;
 }
 
-std::size_t index_of(const StatusSample& sample, const json& id) {
-  const auto found = std::find_if(sample.rows.begin(), sample.rows.end(),
-                                  [&id](const json& row) { return row.value("id", json()) == id; });
+std::size_t index_of(const StatusSample& sample, std::optional<std::uint8_t> id) {
+  const auto found =
+      std::find_if(sample.rows.begin(), sample.rows.end(), [&id](const NodeRow& row) { return row.id == id; });
   return static_cast<std::size_t>(found - sample.rows.begin());
 }
 
 json or_null(const std::optional<double>& value) { return value ? json(*value) : json(); }
 
-json load_of(const json& row, const std::optional<double>& bytes) {
-  const json bits = row.value(json::json_pointer("/output/rate_bit_s"), json());
-  if (!bytes || !bits.is_number()) return json();
-  return 8 * *bytes / bits.get<double>();
+json load_of(const NodeRow& row, const std::optional<double>& bytes) {
+  if (!bytes || !row.output || !row.output->rate_bit_s) return json();
+  return 8 * *bytes / static_cast<double>(*row.output->rate_bit_s);
 }
 
-json changed(const StatusSample& before, const json& row, std::size_t index) {
+json changed(const StatusSample& before, const NodeRow& row, std::size_t index) {
   json names = json::array();
   if (index >= before.rows.size()) return names;
-  const json& then = before.rows[index];
-  if (then.value("state", "") != row.value("state", "")) names.push_back("state");
+  const NodeRow& then = before.rows[index];
+  if (then.state != row.state) names.push_back("state");
   if (cpu_word(then) != cpu_word(row)) names.push_back("cpu");
   if (comparable(then, row) && errors_of(then) != errors_of(row)) names.push_back("errors");
   return names;
 }
 
 json top_row(const StatusSample& before, const StatusSample& now, std::size_t index) {
-  const json& row = now.rows[index];
-  const json to = row.value(json::json_pointer("/output/to"), json());
+  const NodeRow& row = now.rows[index];
+  const auto to = row.output ? row.output->to : std::nullopt;
   const auto bytes = rate(before, now, index_of(now, to), bytes_in);
-  return {{"id", row.value("id", 0)},
-          {"name", row.value("name", "")},
-          {"state", row.value("state", "")},
-          {"to", to},
+  return {{"id", row.id},
+          {"name", row.name},
+          {"state", row.state},
+          {"to", to ? json(*to) : json()},
           {"packets_per_second", or_null(rate(before, now, index, packets_out))},
           {"bytes_per_second", or_null(bytes)},
           {"load", load_of(row, bytes)},
-          {"round_trip_us", row.value("round_trip_us", json::object())},
+          {"round_trip_us", to_json(row.round_trip_us)},
           {"errors", errors_of(row)},
           {"cpu", cpu_word(row)},
           {"changed", changed(before, row, index)}};

@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "tools/ringctl/status_rows.h"
+
 namespace limb_ring::ringctl {
 
 /// A status row of every node (as complete_rows() has them), and when they were asked.
 struct StatusSample {
-  std::vector<nlohmann::json> rows;
-  double at_s = 0;                 ///< of the machine's clock; a row with "uptime_s" has a better one
+  Rows rows;
+  double at_s = 0;                 ///< of the machine's clock; a row with `uptime_s` has a better one
   nlohmann::json clock = nullptr;  ///< ring_clock()
 };
 

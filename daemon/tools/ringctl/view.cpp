@@ -186,7 +186,7 @@ class LatelySeen {
 /// A ring while somebody looks at it.
 class Look {
  public:
-  using Keep = std::function<void(const std::vector<json>& rows)>;
+  using Keep = std::function<void(const Rows& rows)>;
 
   /// @param keep given the rows of each status, before that is told
   Look(const RingAccess& ring, const ViewedRing::Tell& tell, Keep keep)
@@ -263,16 +263,14 @@ class Look {
     std::vector<json> rows = top_rows(before_, now_);
     json broken;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const json& row = now_.rows[i];
-      rows[i]["faults"] = row.value("faults", json::array());
-      for (const char* name : {"fold", "unanswered", "input", "output"})
+      const json row = status::to_json(now_.rows[i]);
+      for (const char* name : {"faults", "fold", "unanswered", "input", "output"})
         if (row.contains(name)) rows[i][name] = row[name];
-      if (row.value("broken_line", json()).is_object()) broken = row["broken_line"];
+      if (row["broken_line"].is_object()) broken = row["broken_line"];
     }
     const json clock = now_.clock;
     tell("status", json{{"headline", headline(ring_.ring(), now_.rows) + clock_words(clock)},
-                        {"report", line_report(now_.rows) + unanswered_report(now_.rows) + warning_report(now_.rows) +
-                                       stop_report(now_.rows) + supervision_text(now_.rows)},
+                        {"report", whole_report(now_.rows)},
                         {"clock", clock},
                         {"interval_s", now_.at_s - before_.at_s},
                         {"broken_line", broken},
@@ -359,9 +357,13 @@ void ViewedRing::run() {
 
 void ViewedRing::look_on() {
   const RingAccess ring = RingAccess::open_also_dead(ring_);
-  const auto keep = [this](const std::vector<json>& rows) {
+  const auto keep = [this](const Rows& rows) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (const json& row : rows) rows_[row.at("id").dump()] = row.dump();
+    for (const status::NodeRow& row : rows) {
+      json whole = to_json(row);
+      if (row.heard.empty()) whole.erase("heard");  // mostly it was not asked for
+      rows_[std::to_string(row.id)] = whole.dump();
+    }
   };
   Look look(ring, tell_, keep);
   while (looked_at_) look.turn();

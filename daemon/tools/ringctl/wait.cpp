@@ -63,7 +63,7 @@ void add_wait(CLI::App& app, Context& context) {
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
-using nlohmann::json;
+using status::NodeRow;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
@@ -72,19 +72,17 @@ namespace {
 /// A daemon that lives has answered by then, also where the wait is shorter.
 constexpr milliseconds kShortestLook{500};
 
-std::string label_of(const json& row) {
-  return "node " + label({row.at("id").get<std::uint8_t>(), row.at("name").get<std::string>()});
-}
+std::string label_of(const NodeRow& row) { return "node " + label({row.id, row.name}); }
 
 /// Why a node will never get into the ring: it is refused. Empty if no node is.
-std::string refusal_in(const std::vector<json>& rows) {
-  for (const json& row : rows)
-    for (const json& refusal : row.value("refusals", json::array())) return "; " + refusal.value("text", "");
+std::string refusal_in(const Rows& rows) {
+  for (const NodeRow& row : rows)
+    if (!row.refusals.empty()) return "; " + row.refusals.front().text;
   return {};
 }
 
 /// Nothing where no ring runs yet.
-std::vector<json> rows_of(const std::string& ring, Deadline deadline, std::string& why_none) {
+Rows rows_of(const std::string& ring, Deadline deadline, std::string& why_none) {
   try {
     return status_rows(RingAccess::open(choose_ring(ring), {}, deadline), deadline);
   } catch (const NoRing& none) {
@@ -93,32 +91,29 @@ std::vector<json> rows_of(const std::string& ring, Deadline deadline, std::strin
   }
 }
 
-std::string with_clock_of(const std::vector<json>& rows, const std::string& lacking) {
-  for (const json& row : rows)
-    if (row.contains("ring")) return live::with_standing_clock(lacking, row["ring"].get<std::string>());
-  return lacking;
+std::string with_clock_of(const Rows& rows, const std::string& lacking) {
+  return rows.front().ring.empty() ? lacking : live::with_standing_clock(lacking, rows.front().ring);
 }
 
 }  // namespace
 
-std::string lack_of_whole(const std::vector<json>& rows) {
-  for (const json& row : rows) {
+std::string lack_of_whole(const Rows& rows) {
+  for (const NodeRow& row : rows) {
     const std::string lack = lack_of_node(row, rows.size());
     if (!lack.empty()) return label_of(row) + ": " + lack + refusal_in(rows);
   }
   return {};
 }
 
-std::string lack_of_state(const std::vector<json>& rows, const std::string& node, const std::string& state) {
+std::string lack_of_state(const Rows& rows, const std::string& node, const std::string& state) {
   std::vector<NodeName> nodes;
-  for (const json& row : rows) {
-    const std::string name = row.at("name").get<std::string>();
-    nodes.push_back({row.at("id").get<std::uint8_t>(), name});
-    if (name != node && row.at("id").dump() != node) continue;
-    if (row.value("state", "") == state || cpu_word(row) == state) return {};
-    return label_of(row) + ": it is " + row.value("state", "") + ", its CPU " + cpu_word(row);
+  for (const NodeRow& row : rows) {
+    nodes.push_back({row.id, row.name});
+    if (row.name != node && std::to_string(row.id) != node) continue;
+    if (row.state == state || cpu_word(row) == state) return {};
+    return label_of(row) + ": it is " + row.state + ", its CPU " + cpu_word(row);
   }
-  throw unknown_node(node, rows.empty() ? "" : rows[0].value("ring", ""), nodes);
+  throw unknown_node(node, rows.empty() ? "" : rows[0].ring, nodes);
 }
 
 std::vector<std::string> state_words() {

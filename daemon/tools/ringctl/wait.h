@@ -2,22 +2,23 @@
 
 #include <chrono>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 
 /// Says in words what is still missing in the status rows; empty if the wait is over.
-using Lack = std::function<std::string(const std::vector<nlohmann::json>& rows)>;
+using Lack = std::function<std::string(const Rows& rows)>;
 
 /// What keeps the ring from being whole. It is whole when every node is up in a ring of all nodes, not folded back; its
 /// second line, if it has one, is connected; and every CPU that its ringd starts runs.
-std::string lack_of_whole(const std::vector<nlohmann::json>& rows);
+std::string lack_of_whole(const Rows& rows);
 
 /// A node's state, or its CPU's, in the words of `ringctl status`.
 /// @return what they are instead; empty where one of them is `state`. @throw UsageError where there is no such node
-std::string lack_of_state(const std::vector<nlohmann::json>& rows, const std::string& node, const std::string& state);
+std::string lack_of_state(const Rows& rows, const std::string& node, const std::string& state);
 
 /// All words that lack_of_state() knows.
 std::vector<std::string> state_words();

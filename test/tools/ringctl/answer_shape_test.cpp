@@ -1,5 +1,5 @@
 // Answers of daemons of another version, or of what is no ringd: named, and never read.
-#include "tools/ringctl/answers.h"
+#include "config/node_row.h"
 
 #include <gmock/gmock.h>
 
@@ -32,20 +32,25 @@ json row() {
 }
 
 /// All that is made of a row.
-void show(const json& one) {
-  std::vector<json> rows{one, one};
+void show(const status::NodeRow& one) {
+  Rows rows{one, one};
   add_verdicts(rows);
   status_table(rows);
   headline("r", rows);
-  line_report(rows);
-  unanswered_report(rows);
-  warning_report(rows);
-  stop_report(rows);
-  supervision_text(rows);
+  whole_report(rows);
   lack_of_node(rows[0], 2);
   lack_in_part(rows[0], 2);
   errors_of(rows[0]);
   top_rows({rows, 1}, {rows, 2});
+}
+
+std::string wrong_in_row(const json& answer) {
+  status::NodeRow row;
+  return status::read(answer, row);
+}
+std::string wrong_in_config(const json& answer) {
+  status::Configured config;
+  return status::read(answer, config);
 }
 
 /// Calls `with` for each change of one member, at any depth: left out, or something else.
@@ -73,32 +78,70 @@ void change_each(json& whole, json& at, With with) {
   }
 }
 
+/// All that is in `part` is in `whole`.
+void expect_in(const json& whole, const json& part) {
+  if (part.is_object()) {
+    for (const auto& [name, member] : part.items()) expect_in(whole.value(name, json("missing: " + name)), member);
+  } else if (part.is_array()) {
+    for (std::size_t i = 0; i < part.size(); ++i) expect_in(whole.at(i), part[i]);
+  } else {
+    EXPECT_EQ(whole, part);
+  }
+}
+
 TEST(AnswerShape, OfARingdIsRight) {
-  EXPECT_EQ(wrong_in_row(row(), 1), "");
+  EXPECT_EQ(wrong_in_row(row()), "");
   EXPECT_EQ(wrong_in_config(json::parse(R"({"nodes": [{"id": 0, "name": "a"}], "path": "", "beacon_ms": 100})")), "");
 }
 
 TEST(AnswerShape, ThatIsWrongIsNamed) {
   json wrong = row();
   wrong["cpu"]["state"] = 3;
-  EXPECT_EQ(wrong_in_row(wrong, 1), "'cpu.state' is not a string");
+  EXPECT_EQ(wrong_in_row(wrong), "'cpu.state' is not a string");
   wrong = row();
   wrong["heard"][0].erase("id");
-  EXPECT_EQ(wrong_in_row(wrong, 1), "'heard[].id' is missing");
-  EXPECT_EQ(wrong_in_row(row(), 2), "it says that it is node 1");
-  EXPECT_EQ(wrong_in_row(json(3), 1), "it is not an object");
+  EXPECT_EQ(wrong_in_row(wrong), "'heard[].id' is missing");
+  EXPECT_EQ(wrong_in_row(json(3)), "it is not an object");
   EXPECT_EQ(wrong_in_config(json::object()), "'nodes' is missing");
   EXPECT_EQ(wrong_in_config(json::parse(R"({"nodes": [{"id": "a"}]})")), "'nodes[].id' is not a whole number");
-  EXPECT_THAT(sentence_of_shape("'id' is missing"), HasSubstr("of one version of limb_ring"));
+  EXPECT_THAT(ask::sentence_of_shape("'id' is missing"), HasSubstr("of one version of limb_ring"));
+}
+
+TEST(AnswerShape, IsTheSameReadAndWrittenAgain) {
+  status::NodeRow read, again;
+  EXPECT_EQ(status::read(row(), read), "");
+  const json written = to_json(read);
+  EXPECT_EQ(status::read(written, again), "");
+  EXPECT_EQ(to_json(again), written);
+  expect_in(written, row());
+}
+
+TEST(AnswerShape, AMemberThatIsNullIsOneThatIsMissing) {
+  json bare = row();
+  bare["ring_size"] = nullptr;
+  status::NodeRow read;
+  EXPECT_EQ(status::read(bare, read), "");
+  EXPECT_FALSE(read.ring_size);
+  bare["name"] = nullptr;
+  EXPECT_EQ(wrong_in_row(bare), "'name' is missing");
+}
+
+TEST(AnswerShape, ANumberThatDoesNotFitIsNamed) {
+  json wrong = row();
+  wrong["id"] = 256;
+  EXPECT_EQ(wrong_in_row(wrong), "'id' is too small or too large");
+  wrong["id"] = -1;
+  EXPECT_EQ(wrong_in_row(wrong), "'id' is too small or too large");
 }
 
 TEST(AnswerShape, ThatIsRightCanBeShownWhateverElseIsChanged) {
   json changed = row();
   std::size_t refused = 0, shown = 0;
   change_each(changed, changed, [&](const json& answer) {
-    if (!wrong_in_row(answer, 1).empty()) return void(++refused);
+    status::NodeRow read;
+    if (!status::read(answer, read).empty()) return void(++refused);
     ++shown;
-    EXPECT_NO_THROW(show(answer)) << answer;
+    EXPECT_NO_THROW(show(read)) << answer;
   });
   EXPECT_GT(refused, 300u);
   EXPECT_GT(shown, 50u);

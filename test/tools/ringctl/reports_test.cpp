@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "support/node_rows.h"
 #include "tools/common/text_table.h"
 #include "tools/ringctl/clock.h"
 #include "tools/ringctl/line_report.h"
@@ -16,6 +17,7 @@ namespace limb_ring::ringctl {
 namespace {
 
 using nlohmann::json;
+using test::node_row;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -36,22 +38,23 @@ TEST(Hex, TakesDigitsWithAndWithoutSeparators) {
 }
 
 TEST(StatusTable, ShowsADaemonThatDoesNotAnswerAsDown) {
-  const json row = down_row({12, "left_knee"});
-  EXPECT_EQ(row["state"], "down");
+  const status::NodeRow row = down_row({12, "left_knee"});
+  const json written = to_json(row);
+  EXPECT_EQ(written["state"], "down");
   for (const char* member : {"/id", "/name", "/pid", "/cpu/pid", "/cpu/boots", "/cpu/state", "/ring_size",
                              "/round_trip_us/p50", "/round_trip_us/p99", "/round_trip_us/max", "/counters"})
-    EXPECT_TRUE(row.contains(json::json_pointer(member))) << member;
+    EXPECT_TRUE(written.contains(json::json_pointer(member))) << member;
   EXPECT_THAT(status_table({row}), HasSubstr("12  left_knee  down"));
 }
 
 TEST(StatusTable, ShowsWhatANodeSays) {
-  const json row{{"id", 3},
-                 {"name", "head"},
-                 {"state", "up"},
-                 {"pid", 4711},
-                 {"ring_size", 16},
-                 {"cpu", {{"pid", 4712}, {"boots", 2}, {"state", "running"}}},
-                 {"round_trip_us", {{"p50", 61.24}, {"p99", 90.0}, {"max", 120.0}}}};
+  const status::NodeRow row = node_row({{"id", 3},
+                                        {"name", "head"},
+                                        {"state", "up"},
+                                        {"pid", 4711},
+                                        {"ring_size", 16},
+                                        {"cpu", {{"pid", 4712}, {"boots", 2}, {"state", "running"}}},
+                                        {"round_trip_us", {{"p50", 61.24}, {"p99", 90.0}, {"max", 120.0}}}});
   EXPECT_THAT(status_table({row}), HasSubstr("3  head  up       16  running      2    61.2    90.0   120.0\n"));
   StatusStyle style;
   style.pids = true;
@@ -59,16 +62,16 @@ TEST(StatusTable, ShowsWhatANodeSays) {
 }
 
 /// As wide as it gets: an open chain of nodes with names as long as allowed, after a slow second.
-std::vector<json> wide_rows() {
+Rows wide_rows() {
   const json trip{{"p50", 123456.7}, {"p99", 999999.9}, {"max", 1234567.8}};
-  std::vector<json> rows;
+  Rows rows;
   for (int id = 240; id < 255; ++id)
-    rows.push_back({{"id", id},
-                    {"name", "joint_" + std::string(23, 'x') + std::to_string(id)},
-                    {"state", "open_chain"},
-                    {"ring_size", 255},
-                    {"cpu", {{"boots", 12}, {"state", "running"}}},
-                    {"round_trip_us", trip}});
+    rows.push_back(node_row({{"id", id},
+                             {"name", "joint_" + std::string(23, 'x') + std::to_string(id)},
+                             {"state", "open_chain"},
+                             {"ring_size", 255},
+                             {"cpu", {{"boots", 12}, {"state", "running"}}},
+                             {"round_trip_us", trip}}));
   return rows;
 }
 
@@ -82,29 +85,27 @@ TEST(StatusTable, FitsEightyColumnsByItsNamesWhichStayDistinct) {
   EXPECT_THAT(*different.rbegin(), HasSubstr("joint_x~"));
 }
 
-TEST(StatusTable, ShowsNamesWholeInAPipe) {
-  EXPECT_THAT(status_table(wide_rows()), HasSubstr(wide_rows()[0]["name"].get<std::string>()));
-}
+TEST(StatusTable, ShowsNamesWholeInAPipe) { EXPECT_THAT(status_table(wide_rows()), HasSubstr(wide_rows()[0].name)); }
 
 TEST(StatusTable, IsColouredWhereANodeOrItsCpuIsNotWell) {
-  std::vector<json> rows = wide_rows();
+  Rows rows = wide_rows();
   StatusStyle style;
   style.colour = true;
   EXPECT_THAT(status_table(rows, style), HasSubstr("\033[31m240"));
-  for (json& row : rows) row["state"] = "up";
-  rows[0]["cpu"]["hung"] = true;
+  for (status::NodeRow& row : rows) row.state = "up";
+  rows[0].cpu.hung = true;
   EXPECT_THAT(status_table(rows, style), HasSubstr("\033[33m240"));
   EXPECT_THAT(status_table(rows, style), Not(HasSubstr("\033[31m")));
 }
 
 TEST(Headline, CountsNodesAndSaysWhereTheRingFolds) {
-  std::vector<json> rows = wide_rows();
+  Rows rows = wide_rows();
   EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes work, open chain");
-  for (json& row : rows) row["state"] = "joining";
+  for (status::NodeRow& row : rows) row.state = "joining";
   EXPECT_EQ(headline("robot", rows), "ring robot: 0 of 15 nodes up");
-  for (json& row : rows) row["state"] = "folded";
+  for (status::NodeRow& row : rows) row.state = "folded";
   EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes up, folded back around a break");
-  rows[0]["ring_size"] = 7;
+  rows[0].ring_size = 7;
   EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes up, folded back in parts");
 }
 
@@ -119,31 +120,31 @@ TEST(Wrapped, BreaksLinesBetweenWords) {
 }
 
 /// The body, which is the supervisor, and the knee it has found hung.
-std::vector<json> rows_of_a_hang() {
-  const json knee{{"id", 10},
-                  {"name", "left_knee"},
-                  {"verdict", "hung"},
-                  {"for_ms", 1240},
-                  {"hangs", 1},
-                  {"resets", 1},
-                  {"confirmed", 0},
-                  {"tries", 1},
-                  {"given_up", false},
-                  {"last", "reset 1 of 3 ordered"},
-                  {"reset_reason", "silent for 640 ms"}};
-  json head = knee;
-  head.update({{"id", 2}, {"name", "head"}, {"verdict", "alive"}, {"hangs", 0}, {"resets", 0}});
-  json body = down_row({0, "body"});
-  body["supervisor"] = {{"policy", "auto"}, {"watched", {head, knee}}};
-  return {body, down_row({2, "head"}), down_row({10, "left_knee"})};
+Rows rows_of_a_hang() {
+  status::WatchedCpu knee;
+  knee.id = 10;
+  knee.name = "left_knee";
+  knee.verdict = "hung";
+  knee.for_ms = 1240;
+  knee.hangs = knee.resets = knee.tries = 1;
+  knee.last = "reset 1 of 3 ordered";
+  knee.reset_reason = "silent for 640 ms";
+  status::WatchedCpu head = knee;
+  head.id = 2;
+  head.name = "head";
+  head.verdict = "alive";
+  head.hangs = head.resets = 0;
+  Rows rows{down_row({0, "body"}), down_row({2, "head"}), down_row({10, "left_knee"})};
+  rows[0].supervisor = status::Supervisor{"auto", {head, knee}};
+  return rows;
 }
 
 TEST(Supervision, MarksTheHungCpuInItsOwnRow) {
-  std::vector<json> rows = rows_of_a_hang();
+  Rows rows = rows_of_a_hang();
   add_verdicts(rows);
-  EXPECT_FALSE(rows[0]["cpu"].contains("verdict"));
-  EXPECT_EQ(rows[1]["cpu"]["verdict"], "alive");
-  EXPECT_EQ(rows[2]["cpu"]["verdict"], "hung");
+  EXPECT_EQ(rows[0].cpu.verdict, "");
+  EXPECT_EQ(rows[1].cpu.verdict, "alive");
+  EXPECT_EQ(rows[2].cpu.verdict, "hung");
   EXPECT_THAT(status_table(rows), HasSubstr("hung"));
 }
 
@@ -154,13 +155,14 @@ TEST(Supervision, TellsWhatWasDoneAboutIt) {
 }
 
 TEST(Supervision, NamesThoseBehindABreakInOneLine) {
-  std::vector<json> rows = rows_of_a_hang();
-  json& watched = rows[0]["supervisor"]["watched"];
-  const json unreachable{{"verdict", "unreachable"}, {"last", "no beacon of its node for 500 ms"}};
-  json waist = watched[0];
-  waist["name"] = "waist";
+  Rows rows = rows_of_a_hang();
+  auto& watched = rows[0].supervisor->watched;
+  status::WatchedCpu& head = watched[0];
+  head.verdict = "unreachable";
+  head.last = "no beacon of its node for 500 ms";
+  status::WatchedCpu waist = head;
+  waist.name = "waist";
   watched.push_back(waist);
-  for (const int cpu : {0, 2}) watched[cpu].update(unreachable);
   EXPECT_EQ(supervision_text(rows),
             "supervisor body, policy auto:\n"
             "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); 1 hang, 1 reset by it, 0 confirmed\n"
@@ -168,10 +170,10 @@ TEST(Supervision, NamesThoseBehindABreakInOneLine) {
 }
 
 TEST(Supervision, SaysNothingWhereAllIsWellOrNobodyWatches) {
-  std::vector<json> rows = rows_of_a_hang();
-  rows[0]["supervisor"]["watched"].erase(1);
+  Rows rows = rows_of_a_hang();
+  rows[0].supervisor->watched.pop_back();
   EXPECT_EQ(supervision_text(rows), "");
-  rows[0].erase("supervisor");
+  rows[0].supervisor.reset();
   add_verdicts(rows);
   EXPECT_EQ(supervision_text(rows), "");
 }
@@ -309,8 +311,8 @@ TEST(Results, WhatWasUnconfirmedMayHaveArrivedUnlessItWasOutOfReach) {
 }
 
 /// The row of a node whose daemon has counted so many refusals.
-json counted(const char* counter, unsigned count, const char* cpu) {
-  return {{"cpu", {{"state", cpu}}}, {"counters", {{counter, count}}}};
+status::NodeRow counted(const char* counter, unsigned count, const char* cpu) {
+  return node_row({{"cpu", {{"state", cpu}}}, {"counters", {{counter, count}}}});
 }
 
 TEST(RefusalCounters, SayWhyWhereTheSourceOnlyInfers) {
@@ -335,19 +337,18 @@ TEST(RefusalCounters, SayNothingWhereNothingOrTwoThingsWereCounted) {
   EXPECT_EQ(results[0].reason, "probably");
 }
 
-json node(int id, const char* state, bool latched = false) {
-  return {{"id", id},
-          {"name", "n" + std::to_string(id)},
-          {"state", state},
-          {"ring_size", 3},
-          {"broken_line", nullptr},
-          {"cpu", {{"state", "running"}, {"stop", {{"latched", latched}}}}}};
+status::NodeRow node(int id, const char* state, bool latched = false) {
+  return node_row({{"id", id},
+                   {"name", "n" + std::to_string(id)},
+                   {"state", state},
+                   {"ring_size", 3},
+                   {"cpu", {{"state", "running"}, {"stop", {{"latched", latched}}}}}});
 }
 
 TEST(Headline, CountsTheNodesThatWork) {
   EXPECT_EQ(headline("r", {node(0, "up"), node(1, "down"), node(2, "up")}), "ring r: 2 of 3 nodes up");
-  json chain = node(0, "open_chain");
-  chain["broken_line"] = {{"before", 1}, {"behind", 2}};
+  status::NodeRow chain = node(0, "open_chain");
+  chain.broken_line = status::BrokenLine{1, 2, {}, {}};
   EXPECT_EQ(headline("r", {chain, node(1, "open_chain"), node(2, "open_chain")}),
             "ring r: 3 of 3 nodes work, open chain: line n1 -> n2 broken");
   EXPECT_EQ(headline("r", {node(0, "folded"), node(1, "folded"), node(2, "folded")}),

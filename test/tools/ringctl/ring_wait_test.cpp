@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "support/node_rows.h"
 #include "tools/ringctl/ring_watch.h"
 #include "tools/ringctl/screen.h"
 
@@ -10,6 +11,8 @@ namespace limb_ring::ringctl {
 namespace {
 
 using nlohmann::json;
+using test::node_row;
+using test::node_rows;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -27,7 +30,7 @@ std::vector<json> whole_ring() {
   return rows;
 }
 
-TEST(Whole, IsARingOfAllItsNodesWithTheirCpus) { EXPECT_EQ(lack_of_whole(whole_ring()), ""); }
+TEST(Whole, IsARingOfAllItsNodesWithTheirCpus) { EXPECT_EQ(lack_of_whole(node_rows(whole_ring())), ""); }
 
 TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
   const std::vector<std::pair<json, std::string>> lacks{
@@ -44,43 +47,43 @@ TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
   for (const auto& [change, lack] : lacks) {
     std::vector<json> rows = whole_ring();
     rows[1].update(change);
-    EXPECT_EQ(lack_of_whole(rows), "node 1 (node1): " + lack);
+    EXPECT_EQ(lack_of_whole(node_rows(rows)), "node 1 (node1): " + lack);
   }
 }
 
 TEST(Whole, IsARingThatWasStopped) {
   std::vector<json> rows = whole_ring();
   for (json& row : rows) row["cpu"]["stop"] = {{"latched", true}};
-  EXPECT_EQ(lack_of_whole(rows), "");
+  EXPECT_EQ(lack_of_whole(node_rows(rows)), "");
 }
 
 TEST(Whole, NeedsNoCpuThatSomebodyElseStarts) {
   std::vector<json> rows = whole_ring();
   rows[0]["cpu"] = {{"kind", "attached"}, {"state", "absent"}};
-  EXPECT_EQ(lack_of_whole(rows), "");
+  EXPECT_EQ(lack_of_whole(node_rows(rows)), "");
 }
 
 TEST(Whole, LacksACpuThatCannotBeStartedAndSaysWhy) {
   std::vector<json> rows = whole_ring();
   rows[0]["cpu"].update({{"state", "failed"}, {"last_exit", "no program 'x'"}});
-  EXPECT_EQ(lack_of_whole(rows), "node 0 (node0): its CPU is failed (no program 'x')");
+  EXPECT_EQ(lack_of_whole(node_rows(rows)), "node 0 (node0): its CPU is failed (no program 'x')");
 }
 
 TEST(Part, IsInARingOfAtLeastItsNodesOrInAnOpenChain) {
   json row = whole_ring()[0];
   row["ring_size"] = 3;
-  EXPECT_EQ(lack_in_part(row, 2), "");
-  EXPECT_EQ(lack_in_part(row, 4), "it knows a ring of 3 nodes; 4 are on this host");
+  EXPECT_EQ(lack_in_part(node_row(row), 2), "");
+  EXPECT_EQ(lack_in_part(node_row(row), 4), "it knows a ring of 3 nodes; 4 are on this host");
   row["state"] = "open_chain";
-  EXPECT_EQ(lack_in_part(row, 4), "");
+  EXPECT_EQ(lack_in_part(node_row(row), 4), "");
   row["state"] = "joining";
-  EXPECT_EQ(lack_in_part(row, 2), "it is joining");
+  EXPECT_EQ(lack_in_part(node_row(row), 2), "it is joining");
 }
 
 TEST(State, IsThatOfTheNodeOrOfItsCpu) {
   for (const char* node : {"node1", "1"})
-    for (const char* state : {"up", "running"}) EXPECT_EQ(lack_of_state(whole_ring(), node, state), "");
-  EXPECT_EQ(lack_of_state(whole_ring(), "node1", "hung"), "node 1 (node1): it is up, its CPU running");
+    for (const char* state : {"up", "running"}) EXPECT_EQ(lack_of_state(node_rows(whole_ring()), node, state), "");
+  EXPECT_EQ(lack_of_state(node_rows(whole_ring()), "node1", "hung"), "node 1 (node1): it is up, its CPU running");
 }
 
 TEST(State, IsAnyThatStatusShows) {
@@ -91,7 +94,7 @@ TEST(State, IsAnyThatStatusShows) {
 
 TEST(State, OfANodeThatIsNotThereIsRefusedWithAGuess) {
   try {
-    lack_of_state(whole_ring(), "noed1", "up");
+    lack_of_state(node_rows(whole_ring()), "noed1", "up");
     FAIL() << "there is no such node";
   } catch (const UsageError& wrong) {
     EXPECT_THAT(wrong.what(), HasSubstr("did you mean 'node1'? Ring robot has: 0 (node0), 1 (node1)"));

@@ -78,14 +78,16 @@ TEST_F(SilentDaemons, AreWaitedForUntilTheDeadline) {
 
 TEST_F(SilentDaemons, AreNamedWhereTheyHaveNotAnsweredByTheDeadline) {
   const std::vector<NodeName> nodes{{0, "node0"}, {1, "node1"}};
-  const auto not_asked = [](const Answer& answer) { return answer.why_not == "it was not asked: no time was left"; };
-  std::vector<Answer> answers;
+  const auto not_asked = [](const ask::Answer& answer) {
+    return answer.why_not == "it was not asked: no time was left";
+  };
+  std::vector<ask::Answer> answers;
   milliseconds time{100};
   do {
     answers = ask_all("r", nodes, {{"do", "status"}}, steady_clock::now() + time);
     time *= 2;
   } while (std::any_of(answers.begin(), answers.end(), not_asked));
-  for (const Answer& answer : answers) EXPECT_THAT(answer.why_not, HasSubstr("its daemon did not answer within"));
+  for (const ask::Answer& answer : answers) EXPECT_THAT(answer.why_not, HasSubstr("its daemon did not answer within"));
 }
 
 TEST_F(SilentDaemons, AreNotAskedWhenTheDeadlineIsOver) {

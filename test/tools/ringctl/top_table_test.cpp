@@ -13,16 +13,19 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-json row(int id, int to, std::uint64_t relayed, std::uint64_t bytes, std::uint64_t slices) {
-  return {
-      {"id", id},
-      {"name", "a_node_with_a_long_name" + std::to_string(id)},
-      {"state", "up"},
-      {"pid", 100 + id},
-      {"cpu", {{"state", "running"}}},
-      {"output", {{"to", to}, {"rate_bit_s", 1000000}}},
-      {"round_trip_us", {{"p50", 123.4}, {"p99", 1234.5}}},
-      {"counters", {{"relayed_data", relayed}, {"input_bytes", bytes}, {"input_slices", slices}, {"crc_errors", 2}}}};
+status::NodeRow row(std::uint8_t id, std::uint8_t to, std::uint64_t relayed, std::uint64_t bytes,
+                    std::uint64_t slices) {
+  status::NodeRow row;
+  row.id = id;
+  row.name = "a_node_with_a_long_name" + std::to_string(id);
+  row.state = "up";
+  row.pid = 100 + id;
+  row.cpu.state = "running";
+  row.output = status::Output{"up", to, 1000000};
+  row.round_trip_us.p50 = 123.4;
+  row.round_trip_us.p99 = 1234.5;
+  row.counters = {{"relayed_data", relayed}, {"input_bytes", bytes}, {"input_slices", slices}, {"crc_errors", 2}};
+  return row;
 }
 
 const StatusSample kBefore{{row(0, 1, 100, 0, 0), row(1, 0, 100, 1000, 10)}, 10.0};
@@ -36,8 +39,8 @@ TEST(TopRows, AreRatesBetweenTwoSamples) {
 
 TEST(TopRows, CountDatagramsThatWereLostAmongTheErrors) {
   StatusSample now = kNow;
-  now.rows[1]["counters"]["input_datagrams_lost"] = 3;
-  now.rows[1]["counters"]["input_losses"] = 1;  // the line's, whose packets are counted
+  now.rows[1].counters["input_datagrams_lost"] = 3;
+  now.rows[1].counters["input_losses"] = 1;  // the line's, whose packets are counted
   const auto rows = top_rows(kBefore, now);
   EXPECT_EQ(rows[0]["errors"], 2);
   EXPECT_EQ(rows[1]["errors"], 5);
@@ -51,16 +54,16 @@ TEST(TopRows, CountBytesOfALineWhereTheyComeInWithoutTheLinksFraming) {
 
 TEST(TopRows, SayNothingOfANodeThatHasRestarted) {
   StatusSample now = kNow;
-  now.rows[0]["pid"] = 999;
+  now.rows[0].pid = 999;
   EXPECT_TRUE(top_rows(kBefore, now)[0]["packets_per_second"].is_null());
 }
 
 TEST(TopRows, AreOfTheNodesOwnTimeAndOfOneBoot) {
   StatusSample before = kBefore, now = kNow;
-  before.rows[0]["uptime_s"] = 100.0;
-  now.rows[0]["uptime_s"] = 140.0;
+  before.rows[0].uptime_s = 100.0;
+  now.rows[0].uptime_s = 140.0;
   EXPECT_EQ(top_rows(before, now)[0]["packets_per_second"], 5.0);
-  now.rows[0]["uptime_s"] = 1.0;  // it has started again, in the same process
+  now.rows[0].uptime_s = 1.0;  // it has started again, in the same process
   EXPECT_TRUE(top_rows(before, now)[0]["packets_per_second"].is_null());
 }
 
@@ -104,14 +107,14 @@ TEST(TopTable, AWideHeadingIsWrappedAndCountsAsLines) {
 
 TEST(TopTable, ShowsBytesAlsoOfALineThatHasNoRate) {
   StatusSample before = kBefore, now = kNow;
-  for (StatusSample* sample : {&before, &now}) sample->rows[0]["output"]["rate_bit_s"] = nullptr;
+  for (StatusSample* sample : {&before, &now}) sample->rows[0].output->rate_bit_s.reset();
   EXPECT_THAT(top_table("robot", top_rows(before, now)), HasSubstr("     25    -"));
 }
 
 TEST(TopTable, MarksWhatHasChangedWhereThereAreColours) {
   StatusSample now = kNow;
-  now.rows[1]["state"] = "joining";
-  now.rows[1]["counters"]["timeouts"] = 3;
+  now.rows[1].state = "joining";
+  now.rows[1].counters["timeouts"] = 3;
   const auto rows = top_rows(kBefore, now);
   EXPECT_EQ(rows[1]["changed"], json({"state", "errors"}));
   TopStyle style;
@@ -123,8 +126,8 @@ TEST(TopTable, MarksWhatHasChangedWhereThereAreColours) {
 
 TEST(TopTable, CallsACpuWhatStatusCallsIt) {
   StatusSample now = kNow;
-  now.rows[0]["cpu"]["hung"] = true;
-  now.rows[1]["cpu"]["verdict"] = "hung";
+  now.rows[0].cpu.hung = true;
+  now.rows[1].cpu.verdict = "hung";
   const auto rows = top_rows(kBefore, now);
   EXPECT_EQ(rows[0]["cpu"], "hung");
   EXPECT_EQ(rows[1]["cpu"], "hung");
