@@ -1,7 +1,5 @@
 #include "ros_bridge/events_out.h"
 
-#include <cstdlib>
-
 #include "ros_bridge/ros_clock.h"
 #include "ros_bridge/status_conversion.h"
 
@@ -48,17 +46,11 @@ namespace {
 
 using nlohmann::json;
 
-// Behind these the daemon names the node at the other end (Engine's words).
-constexpr const char* kInputUp = "input from node ";
-constexpr const char* kOutputUp = "output to node ";
-
 constexpr const char* kLeadsTo = " -> ";
 const std::string kNotKnown = "unknown";  // before the bridge has heard of a node
 const std::string kDown = "down";         // as NodeStatus has it
 
 bool is_opened(const std::string& state) { return state == "open_chain" || state == "folded"; }
-
-bool begins(const std::string& text, const std::string& with) { return text.compare(0, with.size(), with) == 0; }
 
 std::string text_of(const json& said, const char* member) {
   const auto found = said.find(member);
@@ -83,7 +75,7 @@ std::vector<RingEvent> EventConversion::events_of(const config::NodeConfig& node
   RingEvent made = event(RingEvent::LINK_UP, said);
   made.node = node.name;
   if (kind == "link")
-    take_link(text_of(said, "what"), made);
+    take_link(said, made);
   else if (kind == "pin")
     take_pin(said, node, made);
   else
@@ -147,14 +139,10 @@ std::string EventConversion::name_of(int id) const {
   return id < 0 || id > 255 ? "" : ring_.name_of(static_cast<std::uint8_t>(id));
 }
 
-void EventConversion::take_link(const std::string& what, RingEvent& made) const {
-  made.kind = RingEvent::LINK_DOWN;
-  made.text = what;
-  for (const std::string up : {kInputUp, kOutputUp}) {
-    if (!begins(what, up)) continue;
-    made.kind = RingEvent::LINK_UP;
-    made.other_node = name_of(std::atoi(what.c_str() + up.size()));
-  }
+void EventConversion::take_link(const json& said, RingEvent& made) const {
+  made.kind = text_of(said, "is") == "up" ? RingEvent::LINK_UP : RingEvent::LINK_DOWN;
+  made.text = text_of(said, "what");
+  made.other_node = name_of(static_cast<int>(number_of(said, "other", -1)));
 }
 
 void EventConversion::take_pin(const json& said, const config::NodeConfig& node, RingEvent& made) const {

@@ -38,7 +38,7 @@ class EventConversion {
 
  private:
   std::string name_of(int id) const;
-  void take_link(const std::string& what, RingEvent& event) const;
+  void take_link(const nlohmann::json& said, RingEvent& event) const;
   void take_pin(const nlohmann::json& said, const config::NodeConfig& node, RingEvent& event) const;
   /// @param said of its state, as an observer is told
   std::vector<RingEvent> take_state(const nlohmann::json& said, const config::NodeConfig& node);

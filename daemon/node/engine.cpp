@@ -1,5 +1,7 @@
 #include "node/engine.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -57,7 +59,7 @@ void Engine::record(const std::string& path, std::size_t size, recorder::Title t
   title.date = in_ns(system_clock::now().time_since_epoch()) - core::whole_nanoseconds(now.time_since_epoch()).count();
   title.settings = controller_.settings();
   recorder_ = std::make_unique<recorder::RecorderFile>(path, size, controller_, title, now, [this] {
-    listener_.on_link("recorder: the state of the node has no room any more; enlarge recorder.size");
+    spdlog::warn("recorder: the state of the node has no room any more; enlarge recorder.size");
   });
   recorder_->set_next(journal_);
   record_again_ = [this, path, size, title] {
@@ -89,13 +91,10 @@ LineEnds Engine::ends(core::Line on) const {
 
 // ---- from the lines -----------------------------------------------------------------------
 
-void Engine::say(core::Line line, const std::string& what) {
-  listener_.on_link((line == core::Line::second ? "second line: " : "") + what);
-}
-
-void Engine::say_lost(core::Line line, const std::string& what) {
-  last_loss_ = what;
-  say(line, what);
+void Engine::tell_lost(core::Line line, bool input, std::string_view reason) {
+  const LinkChange change{line, input, LinkChange::Is::lost, {}, std::string(reason)};
+  last_loss_ = change.words();
+  listener_.on_link(change);
 }
 
 void Engine::on_slice(core::Line line, const wire::Slice& slice) {
@@ -110,13 +109,13 @@ void Engine::on_input_gap(core::Line line) {
 }
 
 void Engine::on_input_up(core::Line line, wire::NodeId from) {
-  say(line, "input from node " + std::to_string(from));
+  listener_.on_link({line, true, LinkChange::Is::up, from});
   controller_.input_up(line, from, now());
   pump();
 }
 
 void Engine::on_input_lost(core::Line line, std::string_view reason) {
-  say_lost(line, "input lost: " + std::string(reason));
+  tell_lost(line, true, reason);
   if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
   if (line == core::Line::first) input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
   controller_.input_lost(line, now());
@@ -124,13 +123,13 @@ void Engine::on_input_lost(core::Line line, std::string_view reason) {
 }
 
 void Engine::on_output_up(core::Line line, wire::NodeId to) {
-  say(line, "output to node " + std::to_string(to));
+  listener_.on_link({line, false, LinkChange::Is::up, to});
   controller_.output_up(line, to, now());
   pump();
 }
 
 void Engine::on_output_lost(core::Line line, std::string_view reason) {
-  say_lost(line, "output lost: " + std::string(reason));
+  tell_lost(line, false, reason);
   if (tap_ != nullptr) tap_->on_output_gap(clock_.steady(now()));
   controller_.output_lost(line, now());
   pump();
@@ -142,11 +141,11 @@ void Engine::on_output_ready(core::Line line) {
 }
 
 void Engine::on_unknown_peer(core::Line line, std::string_view reason) {
-  say(line, "input: turned away: " + std::string(reason));
+  listener_.on_link({line, true, LinkChange::Is::refused, {}, std::string(reason)});
 }
 
 void Engine::on_output_refused(core::Line line, wire::NodeId by, std::string_view reason) {
-  say(line, "output: node " + std::to_string(by) + ": " + std::string(reason));
+  listener_.on_link({line, false, LinkChange::Is::refused, by, std::string(reason)});
 }
 
 // ---- what a tap sees ----------------------------------------------------------------------

@@ -75,8 +75,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
 
   NodeLine& line(core::Line line) { return lines_[static_cast<std::size_t>(line)]; }
   const NodeLine& line(core::Line line) const { return lines_[static_cast<std::size_t>(line)]; }
-  void say(core::Line line, const std::string& what);
-  void say_lost(core::Line line, const std::string& what);
+  void tell_lost(core::Line line, bool input, std::string_view reason);
   void round();
   void note(const core::Event& event);
   void write_lines();

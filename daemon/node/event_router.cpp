@@ -46,9 +46,23 @@ void EventRouter::log(process::Throttle& lines, std::string_view what) const {
   if (held_back) spdlog::info("{}{}{}", to_.log_prefix, what, process::and_more(*held_back));
 }
 
-void EventRouter::on_link(std::string_view what) {
-  log(link_lines_, what);
-  to_.observers.tell("link", {{"what", std::string(what)}});
+std::string LinkChange::words() const {
+  const std::string end = std::string(line == core::Line::second ? "second line: " : "") + (input ? "input" : "output");
+  const std::string because = why.empty() ? "" : ": " + why;
+  if (is == Is::lost) return end + " lost" + because;
+  if (is == Is::up) return end + (input ? " from node " : " to node ") + std::to_string(*other);
+  return end + (other ? ": node " + std::to_string(*other) : ": turned away") + because;
+}
+
+void EventRouter::on_link(const LinkChange& change) {
+  constexpr const char* kIs[] = {"up", "lost", "refused"};
+  const std::string words = change.words();
+  log(link_lines_, words);
+  to_.observers.tell("link", {{"end", change.input ? "input" : "output"},
+                              {"second", change.line == core::Line::second},
+                              {"is", kIs[static_cast<std::size_t>(change.is)]},
+                              {"other", change.other ? nlohmann::json(*change.other) : nlohmann::json()},
+                              {"what", words}});
 }
 
 void EventRouter::handle(const core::SendEnded& ended) {

@@ -184,7 +184,7 @@ class EventRouter final : public DriverListener {
 
   void on_event(const core::Event& event) override;
   void on_round_end() override;
-  void on_link(std::string_view what) override;
+  void on_link(const LinkChange& change) override;
 
   /// Something that status shows of the own CPU has changed.
   void on_cpu_changed();

@@ -31,14 +31,25 @@ class LineBreaker {
   virtual bool mended() const = 0;
 };
 
+/// What happened to a node's link.
+struct LinkChange {
+  enum class Is : std::uint8_t { up, lost, refused };
+  core::Line line;
+  bool input;  ///< else output
+  Is is;
+  std::optional<std::uint8_t> other = {};  ///< the node at the other end; none where it was lost, or nobody knows
+  std::string why = {};
+
+  std::string words() const;  ///< "second line: input from node 3"
+};
+
 /// What comes out of the network controller. Handlers may call into the controller.
 struct DriverListener {
   virtual ~DriverListener() = default;
   virtual void on_event(const core::Event& event) = 0;
   /// After all else of a round: packets may wait for the CPU.
   virtual void on_round_end() = 0;
-  /// A link came or went; for people.
-  virtual void on_link(std::string_view what) = 0;
+  virtual void on_link(const LinkChange& change) = 0;
 };
 
 /// Sees what enters and leaves the node's controller, and changes nothing. In a folded ring it sees each packet once,

@@ -12,6 +12,7 @@ namespace limb_ring::virtual_host {
 
 using core::Line;
 using runtime::LineEnds;
+using runtime::LinkChange;
 
 bool VirtualBreaker::mended() const {
   return world_.faults.cut(id_, line_) || world_.ring.successor(id_, line_).has_value();
@@ -87,18 +88,18 @@ void VirtualNode::tell_change(Line line, const LineEnds& before, const LineEnds&
   if (before.from && before.from != after.from) {
     if (tap_ != nullptr) tap_->on_input_gap(now);
     if (line == Line::first) input_lost_at_ = world_.ring.now();
-    if (!after.from) say(line, "input lost");
+    if (!after.from) tell({line, true, LinkChange::Is::lost});
   }
   if (before.to && before.to != after.to) {
     if (tap_ != nullptr) tap_->on_output_gap(now);
-    if (!after.to) say(line, "output lost");
+    if (!after.to) tell({line, false, LinkChange::Is::lost});
   }
-  if (after.from && before.from != after.from) say(line, "input from node " + std::to_string(*after.from));
-  if (after.to && before.to != after.to) say(line, "output to node " + std::to_string(*after.to));
+  if (after.from && before.from != after.from) tell({line, true, LinkChange::Is::up, after.from});
+  if (after.to && before.to != after.to) tell({line, false, LinkChange::Is::up, after.to});
 }
 
-void VirtualNode::say(Line line, const std::string& what) {
-  if (!closed_) listener_.on_link((line == Line::second ? "second line: " : "") + what);
+void VirtualNode::tell(const LinkChange& change) {
+  if (!closed_) listener_.on_link(change);
 }
 
 using fault::Fault;

@@ -88,7 +88,7 @@ class VirtualNode final : public runtime::NodeDriver {
  private:
   static std::size_t index(core::Line line) { return static_cast<std::size_t>(line); }
   void tell_change(core::Line line, const runtime::LineEnds& before, const runtime::LineEnds& after);
-  void say(core::Line line, const std::string& what);
+  void tell(const runtime::LinkChange& change);
 
   VirtualWorld world_;
   VirtualClock clock_;

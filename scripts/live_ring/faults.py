@@ -46,8 +46,9 @@ class Fault:
     def order(self, text):
         self.live.ask(self.node, {'do': 'fault', 'fault': text})
 
-    def link(self, words, nodes):
-        return self.live.watch.first('link', self.requested_ns, lambda event: event['what'].startswith(words), nodes)
+    def link(self, nodes, **members):
+        """The first event of a link at these nodes that has these members."""
+        return self.live.watch.first('link', self.requested_ns, lambda event: members.items() <= event.items(), nodes)
 
 
 # ---- lines --------------------------------------------------------------------------------
@@ -66,7 +67,7 @@ class LineFault(Fault):
         return (self.node + 1) % NODES
 
     def detected(self):
-        return self.link('input lost', [self.behind()])
+        return self.link([self.behind()], end='input', **{'is': 'lost'})
 
     def recovered(self):
         return self.live.watch.all_are('folded' if self.folds else 'open_chain', range(NODES))
@@ -196,7 +197,7 @@ class Dead(Fault):
         self.live.ring.kill(self.node)
 
     def detected(self):
-        return self.link(('input lost', 'output lost'), self.others())
+        return self.link(self.others(), **{'is': 'lost'})
 
     def recovered(self):
         return self.live.watch.whole(self.others())
@@ -225,7 +226,7 @@ class Returned(Dead):
         self.live.ring.start_node(self.node)
 
     def detected(self):
-        return self.link(('input from node %d' % self.node, 'output to node %d' % self.node), self.others())
+        return self.link(self.others(), other=self.node, **{'is': 'up'})
 
     def recovered(self):
         return self.live.watch.whole()

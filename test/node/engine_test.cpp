@@ -28,7 +28,7 @@ struct Seen : DriverListener {
     if (ended != nullptr && ended->owner == kOwner) tokens.push_back(ended->token);
   }
   void on_round_end() override {}
-  void on_link(std::string_view) override {}
+  void on_link(const LinkChange&) override {}
 
   core::NodeState state = core::NodeState::starting;
   std::vector<std::uint32_t> tokens;

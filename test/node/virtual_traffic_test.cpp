@@ -17,7 +17,7 @@ struct Ends final : runtime::DriverListener {
     if (const auto* ended = std::get_if<core::SendEnded>(&event.what)) traffic->on_ended(*ended, "because");
   }
   void on_round_end() override {}
-  void on_link(std::string_view) override {}
+  void on_link(const runtime::LinkChange&) override {}
 
   runtime::Traffic* traffic = nullptr;
 };

@@ -34,13 +34,13 @@ class Events : public ::testing::Test {
 };
 
 TEST_F(Events, OfALinkNameTheOtherEnd) {
-  const auto up = only(knee, R"({"kind":"link","what":"input from node 0","time_ns":1500000000000000001})");
+  const auto up = only(knee, R"({"kind":"link","is":"up","other":0,"what":"any words","time_ns":1500000000000000001})");
   EXPECT_EQ(up.kind, RingEvent::LINK_UP);
   EXPECT_EQ(up.node, "knee");
   EXPECT_EQ(up.other_node, "body");
   EXPECT_EQ(up.header.stamp, ros::Time(1500000000, 1));
-  EXPECT_EQ(only(knee, R"({"kind":"link","what":"output to node 3"})").other_node, "hip");
-  const auto down = only(knee, R"({"kind":"link","what":"input lost: silent"})");
+  EXPECT_EQ(only(knee, R"({"kind":"link","is":"up","other":3})").other_node, "hip");
+  const auto down = only(knee, R"({"kind":"link","is":"lost","other":null,"what":"input lost: silent"})");
   EXPECT_EQ(down.kind, RingEvent::LINK_DOWN);
   EXPECT_EQ(down.text, "input lost: silent");
 }
