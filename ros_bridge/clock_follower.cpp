@@ -166,7 +166,8 @@ void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
     ROS_WARN(
         "/clock has jumped back, from %.6f s to %.6f s: the ring goes on from where it is, %.6f s after its start, and "
         "its stamps follow /clock%s",
-        in_seconds(step->former_ns), in_seconds(time_ns), in_seconds(step->reached_ns), and_more(*more).c_str());
+        in_seconds(step->former_ns), in_seconds(time_ns), in_seconds(step->reached_ns),
+        process::and_more(*more).c_str());
   if (step->jumped_back && behind_ns >= kWorthTellingNs && behind_.allow()) tell_how_far_behind(behind_ns);
   outer_.allowed(*step);
 }

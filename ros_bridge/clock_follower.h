@@ -13,6 +13,7 @@
 #include <string>
 #include <thread>
 
+#include "io/throttle.h"
 #include "limb_ring/host_port.h"
 #include "ros_bridge/ros_clock.h"
 #include "ros_bridge/topic_in.h"
@@ -89,7 +90,8 @@ class ClockFollower {
   ConnectOptions daemon_;
   RosClock& clock_;
   OuterTime outer_;
-  Throttle jumps_{std::chrono::seconds(1)}, behind_{std::chrono::seconds(1)}, others_{std::chrono::seconds(10)};
+  process::Throttle jumps_{std::chrono::seconds(1)}, behind_{std::chrono::seconds(1)},
+      others_{std::chrono::seconds(10)};
   ClockPublisher publisher_;
   std::mutex mutex_;
   std::condition_variable wake_;

@@ -79,7 +79,7 @@ void CommandIn::warn_not_given(const std::string& topic, const std::vector<std::
   counters_.lose("commands_not_given", names.size());
   if (const auto held_back = not_given_.allow())
     ROS_WARN("%s: joint '%s' is named and not commanded: all that is said of it is NaN%s", topic.c_str(),
-             names.front().c_str(), and_more(*held_back).c_str());
+             names.front().c_str(), process::and_more(*held_back).c_str());
 }
 
 bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {

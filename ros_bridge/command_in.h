@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "io/throttle.h"
 #include "limb_ring/payload/sensor_reading.h"
 #include "ros_bridge/command_sender.h"
 #include "ros_bridge/counters.h"
@@ -61,7 +62,7 @@ class CommandIn {
   Counters& counters_;
   CommandSender sender_;  ///< ring thread only
   std::set<std::string> warned_;
-  Throttle refusal_{std::chrono::seconds(1)}, not_given_{std::chrono::seconds(1)};
+  process::Throttle refusal_{std::chrono::seconds(1)}, not_given_{std::chrono::seconds(1)};
   std::function<void(const Heard&)> heard_ = [](const Heard&) {};
   DirectQueue at_once_;
   std::map<std::string, ros::Subscriber> subscribers_;  ///< by topic

@@ -82,7 +82,8 @@ PromisesOut::PromisesOut(const config::RingConfig& ring, const ConnectOptions& d
              [this](const promises::Breach& breach) {
                const std::string what = std::string(to_string(breach.promise)) + ": " + breach.what;
                if (const auto held_back = told_.allow())
-                 ROS_ERROR("promise broken at node %u: %s%s", breach.node, what.c_str(), and_more(*held_back).c_str());
+                 ROS_ERROR("promise broken at node %u: %s%s", breach.node, what.c_str(),
+                           process::and_more(*held_back).c_str());
                std::lock_guard<std::mutex> lock(mutex_);
                last_ = what;
              }),

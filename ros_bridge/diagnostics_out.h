@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "config/ring_config.h"
+#include "io/throttle.h"
 #include "limb_ring/host_port.h"
 #include "ring/observed_daemon.h"
 #include "ros_bridge/counters.h"
@@ -55,7 +56,7 @@ class PromisesOut {
  private:
   void run();
 
-  Throttle told_{std::chrono::seconds(1)};  // the thread's alone, as the next
+  process::Throttle told_{std::chrono::seconds(1)};  // the thread's alone, as the next
   live::PromiseWatch watch_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "config/ring_config.h"
+#include "io/throttle.h"
 #include "limb_ring/host_port.h"
-#include "ros_bridge/topic_in.h"
 
 namespace limb_ring::bridge {
 
@@ -16,11 +16,12 @@ class InterruptLog {
   explicit InterruptLog(const config::RingConfig& ring) : ring_(ring) {}
 
   /// "INT2 from node head: notify; 41 more since the last such line"; nothing where none is due
-  std::optional<std::string> take(const Interrupt& interrupt, Throttle::Clock::time_point now = Throttle::Clock::now());
+  std::optional<std::string> take(const Interrupt& interrupt,
+                                  process::Throttle::Clock::time_point now = process::Throttle::Clock::now());
 
  private:
   const config::RingConfig& ring_;
-  Throttle stops_{std::chrono::seconds(1)}, notifies_{std::chrono::seconds(1)};
+  process::Throttle stops_{std::chrono::seconds(1)}, notifies_{std::chrono::seconds(1)};
 };
 
 }  // namespace limb_ring::bridge

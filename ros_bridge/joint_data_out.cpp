@@ -24,19 +24,12 @@ std::chrono::nanoseconds period_of(double rate) {
 constexpr std::chrono::seconds kShown{3};
 constexpr std::size_t kMostSaid = 100;  ///< different ones, in the log
 
-const char* kind_words(payload::SensorReading::Kind kind) {
-  return kind == payload::SensorReading::Kind::imu ? "an IMU" : "a force sensor";
-}
-
-bool is_kind(payload::SensorReading::Kind read, Kind configured) {
-  return (read == payload::SensorReading::Kind::imu) == (configured == Kind::imu);
-}
-
 }  // namespace
 
 JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port,
                            Counters& counters, const std::string& sample_log)
-    : port_(port),
+    : ring_(ring),
+      port_(port),
       counters_(counters),
       store_(ring),
       states_(nodes.advertise<sensor_msgs::JointState>("joint_states", 10)) {
@@ -52,13 +45,12 @@ JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& rin
 void JointDataOut::advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring) {
   const FrameNames frames;
   for (const auto& node : ring.nodes) {
-    names_[node.id] = node.name;
     Sampled& sampled = sampled_[node.id];
     for (const auto& joint : node.joints) sampled.joints.push_back(joint.name);
     if (!node.joints.empty()) sampled.states = nodes.advertise<sensor_msgs::JointState>("states/" + node.name, 100);
     for (const auto& sensor : node.sensors) {
       const auto topic = "sensors/" + sensor.name;
-      sampled.sensors.push_back({sensor.name, frames.of(sensor.name), sensor.kind,
+      sampled.sensors.push_back({sensor.name, frames.of(sensor.name),
                                  sensor.kind == Kind::imu ? nodes.advertise<sensor_msgs::Imu>(topic, 10)
                                                           : nodes.advertise<geometry_msgs::WrenchStamped>(topic, 10),
                                  period_of(sensor.rate), std::nullopt});
@@ -103,13 +95,11 @@ void JointDataOut::take_reading(const Packet& packet) {
   if (!reading)
     return refuse(packet.source, "joint_packets_malformed",
                   std::string("joint data of it cannot be read: ") + payload::to_string(reading.error()));
-  const auto from = sampled_.find(packet.source);
-  const std::size_t sensors = from == sampled_.end() ? 0 : from->second.sensors.size();
-  if (reading->sensor >= sensors || !is_kind(reading->kind, from->second.sensors[reading->sensor].kind))
-    return refuse(packet.source, "joint_packets_unfit",
-                  std::string("it sends a reading of ") + kind_words(reading->kind) + " as sensor " +
-                      std::to_string(reading->sensor) + " (from 0), which the ring's file does not give it");
-  Sensor& sensor = from->second.sensors[reading->sensor];
+  const config::NodeConfig* node = ring_.find(packet.source);
+  const std::string unfit =
+      config::unfit(*reading, node != nullptr ? node->sensors : std::vector<config::SensorConfig>());
+  if (!unfit.empty()) return refuse(packet.source, "joint_packets_unfit", "it sends " + unfit);
+  Sensor& sensor = sampled_.at(packet.source).sensors[reading->sensor];
   {
     std::lock_guard<std::mutex> lock(mutex_);
     sensor.heard = port_.now();
@@ -118,7 +108,7 @@ void JointDataOut::take_reading(const Packet& packet) {
   if (sensor.publisher.getNumSubscribers() == 0) return;
   port_.tell_time();
   const ros::Time stamp = port_.ros_clock().to_ros(reading->stamp_ns);
-  if (sensor.kind == Kind::imu)
+  if (reading->kind == payload::SensorReading::Kind::imu)
     sensor.publisher.publish(to_imu(*reading, stamp, sensor.frame));
   else
     sensor.publisher.publish(to_wrench(*reading, stamp, sensor.frame));
@@ -157,8 +147,7 @@ void JointDataOut::refuse(std::uint8_t node, const char* counter, const std::str
   std::lock_guard<std::mutex> lock(mutex_);
   unfit_[node] = {why, port_.now()};
   if (said_.size() >= kMostSaid || !said_.emplace(node, why).second) return;
-  const auto name = names_.find(node);
-  ROS_WARN("node %s: %s", name == names_.end() ? std::to_string(node).c_str() : name->second.c_str(), why.c_str());
+  ROS_WARN("node %s: %s", ring_.name_of(node).c_str(), why.c_str());
 }
 
 std::string JointDataOut::problem_of(std::uint8_t node) const {

@@ -55,6 +55,7 @@ class JointDataOut {
   void advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring);
   void publish_sample(std::uint8_t node, const payload::JointState& state);
 
+  const config::RingConfig& ring_;
   RingPort& port_;
   Counters& counters_;
   mutable std::mutex mutex_;  // the store and the list are read by the status too
@@ -66,7 +67,6 @@ class JointDataOut {
   std::function<void(ros::Time)> published_ = [](ros::Time) {};
   struct Sensor {
     std::string name, frame;
-    config::SensorConfig::Kind kind;
     ros::Publisher publisher;
     std::chrono::nanoseconds period;
     std::optional<RingPort::Clock::time_point> heard;
@@ -84,7 +84,6 @@ class JointDataOut {
   };
   std::map<std::uint8_t, Sampled> sampled_;  // by node
   std::map<std::uint8_t, Unfit> unfit_;      ///< the last of each node
-  std::map<std::uint8_t, std::string> names_;
   std::set<std::pair<std::uint8_t, std::string>> said_;
 };
 

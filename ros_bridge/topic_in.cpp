@@ -49,7 +49,7 @@ void TopicIn::warn_too_large(std::size_t bytes) {
   const auto held_back = too_large_.allow();
   if (!held_back) return;
   ROS_WARN("topic '%s': a message of %zu bytes was not sent, the largest that crosses the ring has %zu%s",
-           topic_.input.c_str(), bytes, TopicSender::kLargest, and_more(*held_back).c_str());
+           topic_.input.c_str(), bytes, TopicSender::kLargest, process::and_more(*held_back).c_str());
 }
 
 void TopicIn::look(unsigned published) {

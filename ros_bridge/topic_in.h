@@ -11,11 +11,11 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "io/throttle.h"
 #include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
@@ -74,34 +74,6 @@ class PublisherCheck {
   unsigned alone_ = 0;      ///< looks in a row at which none was connected, though there is or was one
 };
 
-/// Lets one warning through per period, by the steady clock: roscpp's own throttled warnings
-/// stay silent under use_sim_time while /clock does.
-class Throttle {
- public:
-  using Clock = std::chrono::steady_clock;
-
-  explicit Throttle(Clock::duration period) : period_(period) {}
-  /// @return how many were held back since one was let through; nothing: this one is, too
-  std::optional<std::uint64_t> allow(Clock::time_point now = Clock::now()) {
-    if (now < next_) {
-      ++held_back_;
-      return std::nullopt;
-    }
-    next_ = now + period_;
-    return std::exchange(held_back_, 0);
-  }
-
- private:
-  Clock::duration period_;
-  Clock::time_point next_{};
-  std::uint64_t held_back_ = 0;
-};
-
-/// "; 41 more since the last such line": the end of a line that was let through; "" where nothing was held back.
-inline std::string and_more(std::uint64_t held_back) {
-  return held_back == 0 ? "" : "; " + std::to_string(held_back) + " more since the last such line";
-}
-
 /// A ROS topic of any type, subscribed here and sent to the node the configuration names. Its type may change:
 /// the publisher may be replaced by one of another type or definition, which would refuse a subscription of roscpp's
 /// alone.
@@ -132,7 +104,7 @@ class TopicIn {
   RingPort& port_;
   Counters& counters_;
   TopicSender sender_;  // as the next, ring thread only
-  Throttle too_large_{std::chrono::seconds(10)};
+  process::Throttle too_large_{std::chrono::seconds(10)};
   std::mutex mutex_;
   std::deque<TopicMessage> handed_in_;  // at most topic_.queue
   PublisherCheck check_;

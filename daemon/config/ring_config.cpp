@@ -16,6 +16,14 @@ Pins default_pins() {
   return pins;
 }
 
+std::string unfit(const payload::SensorReading& reading, const std::vector<SensorConfig>& sensors) {
+  const bool is_imu = reading.kind == payload::SensorReading::Kind::imu;
+  const std::size_t place = reading.sensor;
+  if (place < sensors.size() && is_imu == (sensors[place].kind == SensorConfig::Kind::imu)) return {};
+  return std::string("a reading of ") + (is_imu ? "an IMU" : "a force sensor") + " as sensor " + std::to_string(place) +
+         " (from 0), which the ring's file does not give it";
+}
+
 std::vector<std::uint8_t> RingConfig::node_ids() const {
   std::vector<std::uint8_t> ids;
   for (const NodeConfig& node : nodes) ids.push_back(node.id);

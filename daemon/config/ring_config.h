@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "config/quantity.h"
+#include "limb_ring/payload/sensor_reading.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::config {
@@ -81,6 +82,8 @@ struct SensorConfig {
   std::string topic;          ///< ROS topic whose values the bridge hands to its CPU; empty: none
   std::uint8_t priority = 1;  ///< 0..3
 };
+/// "a reading of an IMU as sensor 2 (from 0), which the ring's file does not give it"; empty: it is of one of these.
+std::string unfit(const payload::SensorReading& reading, const std::vector<SensorConfig>& sensors);
 
 /// What a line over a real network is expected to do: for plans, a virtual ring, and the time-outs. Nothing of it is
 /// added to a line of a living ring: the network does that. (ours)

@@ -12,16 +12,8 @@ namespace {
 constexpr const char *kUnfit = "cpu_unfit", *kSilent = "cpu_silent", *kObeysNone = "cpu_obeys_none",
                      *kTold = "cpu_says";
 
-const char* words_of(payload::SensorReading::Kind kind) {
-  return kind == payload::SensorReading::Kind::imu ? "an IMU" : "a force sensor";
-}
-
 std::string source_of(const config::SensorConfig& sensor) {
   return sensor.topic.empty() ? "" : ", whose values the bridge takes from the topic " + sensor.topic;
-}
-
-bool fits(payload::SensorReading::Kind kind, config::SensorConfig::Kind configured) {
-  return (kind == payload::SensorReading::Kind::imu) == (configured == config::SensorConfig::Kind::imu);
 }
 
 }  // namespace
@@ -60,13 +52,9 @@ void CpuWatch::sent(const payload::Decoded<payload::SensorReading>& reading, cor
   if (!reading)
     return warn(kUnfit, std::string("its CPU sends a sensor reading that cannot be read: ") +
                             payload::to_string(reading.error()));
-  const std::size_t place = reading->sensor;
-  if (place < heard_.size() && fits(reading->kind, node_.sensors[place].kind)) {
-    heard_[place] = now;
-    return;
-  }
-  warn(kUnfit, std::string("its CPU sends a reading of ") + words_of(reading->kind) + " as sensor " +
-                   std::to_string(place) + " (from 0), which the ring's file does not give it: nobody takes it");
+  const std::string unfit = config::unfit(*reading, node_.sensors);
+  if (!unfit.empty()) return warn(kUnfit, "its CPU sends " + unfit + ": nobody takes it");
+  heard_[reading->sensor] = now;
 }
 
 // While its CPU obeys, no command is looked into.

@@ -174,19 +174,20 @@ Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
 
 // ---- what there is --------------------------------------------------------------------------
 
-/// A note stays, out of date, where somebody else has ended its fault.
-std::optional<status::Fault> LiveFaults::node_fault(wire::NodeId node) const {
-  const auto note = note_of(daemons_.folder(), node);
-  if (!note) return std::nullopt;
-  const std::string name = note->name();
-  const bool holds = name == kKill ? is_killed(daemons_.folder(), node) : daemons_.is_frozen(node);
-  if (!holds) return std::nullopt;
+std::optional<status::Fault> noted_fault(const std::string& folder, wire::NodeId node) {
+  const auto note = note_of(folder, node);
+  if (!note || !(note->name() == kKill ? is_killed(folder, node) : is_frozen(folder, node))) return std::nullopt;
   status::Fault fault;
-  fault.id.text = daemons_.node(node).name + '.' + name;
-  fault.name = name;
+  fault.id.text = fault.name = note->name();
   fault.fault = note->words;
   fault.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - note->since).count();
   fault.hits = 1;
+  return fault;
+}
+
+std::optional<status::Fault> LiveFaults::node_fault(wire::NodeId node) const {
+  auto fault = noted_fault(daemons_.folder(), node);
+  if (fault) fault->id.text.insert(0, daemons_.node(node).name + '.');
   return fault;
 }
 

@@ -8,6 +8,10 @@
 
 namespace limb_ring::live {
 
+/// The fault of a whole node, as noted in the ring's folder: its id is its word. A note stays, out of date, where
+/// somebody else has ended its fault: it counts for nothing then.
+std::optional<status::Fault> noted_fault(const std::string& folder, wire::NodeId node);
+
 /// All faults that last, in ring order.
 struct FaultList {
   std::vector<status::Fault> faults;  ///< their ids: NODE.NUMBER, or NODE.freeze, NODE.kill

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "config/fault.h"
-#include "io/node_notes.h"
 #include "limb_ring/ring_directory.h"
+#include "ring/live_faults.h"
 #include "ring/ring_files.h"
 #include "ring/status_rows.h"
 #include "tools/common/text_table.h"
@@ -25,20 +24,6 @@ std::string broken_line(const Rows& rows) {
   for (const NodeRow& row : rows)
     if (row.broken_line) return line_name(rows, row.broken_line->before, row.broken_line->behind);
   return "";
-}
-
-/// The fault of a whole node, as noted in the ring's folder. The note is ignored if it no longer fits the node's state.
-std::vector<status::Fault> faults_of_absent(const std::string& folder, std::uint8_t node, bool frozen) {
-  const auto note = live::note_of(folder, wire::NodeId{node});
-  const bool fits = frozen ? note && note->name() == fault::word_of(fault::Name::freeze).word
-                           : live::is_killed(folder, wire::NodeId{node});
-  if (!fits) return {};
-  status::Fault fault;
-  fault.id.text = fault.name = note->name();
-  fault.fault = note->words;
-  fault.age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - note->since).count();
-  fault.hits = 1;
-  return {fault};
 }
 
 const NodeRow* row_of(const Rows& rows, std::uint8_t id) {
@@ -116,7 +101,7 @@ NodeRow absent_row(const RingAccess& ring, const std::vector<ask::ToldRow>& told
     row.state = "unanswered";
     row.unanswered = told[place].why_not.empty() ? holder.problem : told[place].why_not;
   }
-  row.faults = faults_of_absent(folder, node.id, holder.frozen);
+  if (const auto fault = live::noted_fault(folder, wire::NodeId{node.id})) row.faults = {*fault};
   const bool elsewhere = ring.hosts().empty() ? !holder.held : ring.is_elsewhere(node);
   const status::Heard* heard = elsewhere ? heard_of(ring, told, node.id) : nullptr;
   const bool here = ring.hosts().empty() && holder.pid > 0;
