@@ -20,4 +20,14 @@ constexpr std::chrono::nanoseconds kPacket = kByte * static_cast<int>(wire::kMax
 constexpr unsigned kSeed = 1;
 constexpr unsigned kLapsBefore = 8;
 
+/// Wall-clock time since it was made.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
 }  // namespace limb_ring::hops

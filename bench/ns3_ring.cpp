@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "load.h"
-#include "stopwatch.h"
 
 namespace {
 

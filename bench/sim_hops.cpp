@@ -1,21 +1,174 @@
 // Packet-hops per second of the real core under the virtual clock, with and without the invariants,
 // beside a bare event loop and, where it is installed, ns-3.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <functional>
 #include <iostream>
+#include <memory>
+#include <queue>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
-#include "bare_loop.h"
-#include "core_ring.h"
 #include "hops_report.h"
 #include "load.h"
-#include "ns3_program.h"
+#include "sim/invariants.h"
+#include "sim/virtual_ring.h"
 #include "tools/common/command_line.h"
+#include "wire/checksum.h"
+#include "wire/packet.h"
 
+namespace limb_ring::hops {
 namespace {
 
-using namespace limb_ring::hops;
-namespace app = limb_ring::app;
-namespace cli = limb_ring::cli;
+using Time = std::chrono::nanoseconds;
+using Bytes = std::vector<std::uint8_t>;
+
+struct Hop {
+  Time at;
+  std::uint64_t order;
+  unsigned node;
+  bool operator>(const Hop& other) const { return at != other.at ? at > other.at : order > other.order; }
+};
+
+class BareRing {
+ public:
+  explicit BareRing(unsigned nodes)
+      : lines_(nodes, Bytes(wire::kMaxDataPacketSize, 0x5A)), buffers_(lines_), free_at_(nodes), order_(nodes) {
+    for (unsigned node = 0; node < nodes; ++node) events_.push({Time{0}, node, node});
+  }
+
+  /// A packet takes its place behind what is on the line, as in a saturated ring.
+  void hop() {
+    const Hop hop = events_.top();
+    events_.pop();
+    const unsigned next = (hop.node + 1) % static_cast<unsigned>(lines_.size());
+    carry(hop.node, next);
+    const Time start = std::max(hop.at, free_at_[hop.node]);
+    free_at_[hop.node] = start + kPacket;
+    events_.push({start + kDelay, order_++, next});
+  }
+  std::uint32_t crcs() const { return crcs_; }
+
+ private:
+  void carry(unsigned node, unsigned next) {
+    Bytes& buffer = buffers_[node];
+    std::memcpy(buffer.data(), lines_[node].data(), buffer.size());
+    crcs_ ^= wire::crc32({buffer.data(), buffer.size() - wire::kCrcSize});
+    std::memcpy(lines_[next].data(), buffer.data(), buffer.size());
+  }
+
+  std::vector<Bytes> lines_, buffers_;
+  std::vector<Time> free_at_;
+  std::priority_queue<Hop, std::vector<Hop>, std::greater<Hop>> events_;
+  std::uint64_t order_;
+  std::uint32_t crcs_ = 0;
+};
+
+/// The same ring with no protocol: a heap of events, one per hop, each with the two copies of the
+/// packet and the CRC check that no relay can do without.
+/// @return packet-hops per second of wall-clock time
+double bare_loop(unsigned nodes, std::uint64_t hops) {
+  BareRing ring(nodes);
+  const Stopwatch watch;
+  for (std::uint64_t i = 0; i < hops; ++i) ring.hop();
+  const double seconds = watch.seconds();
+  volatile std::uint32_t kept = ring.crcs();  // or the compiler would leave the CRCs out
+  static_cast<void>(kept);
+  return static_cast<double>(hops) / seconds;
+}
+
+using wire::NodeId;
+
+/// In which every node gives one packet onto its line.
+std::chrono::nanoseconds lap_of(unsigned nodes) { return kPacket * static_cast<int>(nodes); }
+
+sim::VirtualRingOptions options_for(unsigned nodes) {
+  sim::VirtualRingOptions options;
+  options.nodes = nodes;
+  options.byte_time = kByte;
+  options.relay_delay = kDelay;
+  options.keep_logs = false;
+  options.adjust = [](core::Settings& settings) { settings.send_timeout_least = core::Duration{0}; };
+  return options;
+}
+
+std::uint64_t carried(const sim::VirtualRing& ring) {
+  std::uint64_t hops = 0;
+  for (unsigned id = 0; id < ring.size(); ++id) {
+    const core::Counters& counters = ring.counters(static_cast<NodeId>(id));
+    hops += counters.relayed_data + counters.sent_data;
+  }
+  return hops;
+}
+
+/// Every node sends to the one opposite, and again whenever its packet is back. They begin at random within a lap, as
+/// CPUs do: where all begin in one instant they stay in step, and the clock has a tenth of the instants to visit.
+void keep_busy(sim::VirtualRing& ring) {
+  const auto send = [&ring, data = std::vector<std::uint8_t>(kPayload, 0x5A)](NodeId id) {
+    ring.send(id, static_cast<NodeId>((id + ring.size() / 2) % ring.size()), data);
+  };
+  ring.on_event = [send](NodeId id, const core::Event& event) {
+    const auto* ended = std::get_if<core::SendEnded>(&event.what);
+    if (!ended) return;
+    if (ended->outcome != core::Outcome::delivered) throw std::runtime_error("the core did not deliver a packet");
+    send(id);
+  };
+  std::mt19937 random(kSeed);
+  std::uniform_int_distribution<std::int64_t> within_lap(0, lap_of(ring.size()).count());
+  for (unsigned id = 0; id < ring.size(); ++id)
+    ring.at(ring.now() + std::chrono::nanoseconds(within_lap(random)), [send, id] { send(static_cast<NodeId>(id)); });
+}
+
+/// The real core under the virtual clock, once it has joined, with all invariants checked or none.
+/// @return packet-hops per second of wall-clock time, over at least `hops`
+/// @throw std::runtime_error where an invariant was broken, or a packet not delivered
+double core_ring(unsigned nodes, std::uint64_t hops, bool invariants) {
+  sim::VirtualRing ring(options_for(nodes));
+  std::unique_ptr<sim::Invariants> checks;
+  if (invariants) checks = std::make_unique<sim::Invariants>(ring);
+  ring.join();
+  keep_busy(ring);
+  ring.run_for(lap_of(nodes) * kLapsBefore);
+  const std::uint64_t before = carried(ring);
+  const Stopwatch watch;
+  while (carried(ring) - before < hops) ring.run_for(lap_of(nodes));
+  const double seconds = watch.seconds();
+  if (checks && checks->violation()) throw std::runtime_error("invariant broken: " + checks->violation()->what);
+  return static_cast<double>(carried(ring) - before) / seconds;
+}
+
+namespace fs = std::filesystem;
+
+fs::path program() { return fs::read_symlink("/proc/self/exe").replace_filename("bench_ns3_ring"); }
+
+/// What a shell reads as one word.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+/// Whether bench_ns3_ring lies beside this program; it is built where ns-3 is installed.
+bool ns3_installed() { return fs::exists(program()); }
+
+/// One run of it.
+/// @return packet-hops per second of wall-clock time, without the start of the program
+/// @throw std::runtime_error where it fails
+double ns3_ring(unsigned nodes, std::uint64_t hops) {
+  const std::string command = quoted(program()) + " " + std::to_string(nodes) + " " + std::to_string(hops);
+  const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), pclose);
+  double rate = 0;
+  if (!output || std::fscanf(output.get(), "%lf", &rate) != 1) throw std::runtime_error("failed: " + command);
+  return rate;
+}
+
+constexpr const char* kBareLoop =
+    "bare loop: per hop a heap event, two copies and a CRC check; no slices, queues, returns, time-outs or results";
 
 struct Options {
   std::uint64_t hops = 300'000;
@@ -72,9 +225,11 @@ void print(const Options& options) {
 }
 
 }  // namespace
+}  // namespace limb_ring::hops
 
 int main(int argc, char** argv) {
-  Options options;
+  using namespace limb_ring;
+  hops::Options options;
   CLI::App app(
       "Rings of 16 and 254 nodes that always have 512 bytes to send, at 1 Gbit/s and d = 512 ns:\n"
       "the core under the virtual clock beside a bare event loop and ns-3.",
@@ -88,7 +243,7 @@ int main(int argc, char** argv) {
   app.add_flag("--json", options.json, "Print JSON, for programs");
   if (const auto end = cli::parse(app, argc, argv)) return *end;
   try {
-    print(options);
+    hops::print(options);
   } catch (const std::exception& problem) {
     std::cerr << "bench_sim_hops: " << problem.what() << '\n';
     return 1;
