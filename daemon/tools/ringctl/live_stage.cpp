@@ -6,8 +6,8 @@
 #include "core/time.h"
 #include "io/signal_wait.h"
 #include "tools/ringctl/ring_access.h"
-#include "tools/ringctl/ring_watch.h"
 #include "tools/ringctl/screen.h"
+#include "tools/ringctl/wait.h"
 
 namespace limb_ring::ringctl {
 

@@ -1,5 +1,3 @@
-#include "tools/ringctl/record.h"
-
 #include <CLI/CLI.hpp>
 #include <ctime>
 #include <exception>
@@ -30,6 +28,37 @@
 
 namespace limb_ring::ringctl {
 namespace {
+
+std::string date_of(std::int64_t ns) {
+  const std::time_t seconds = ns / 1'000'000'000;
+  std::tm local{};
+  ::localtime_r(&seconds, &local);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
+  return text;
+}
+
+/// One that cannot be read says so when it is replayed.
+std::string ended_life(const std::string& ring_folder, const std::string& file) try {
+  std::vector<std::uint8_t> bytes(recorder::kTitleSize);
+  std::ifstream(file, std::ios::binary)
+      .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const recorder::Title title = recorder::read_title({bytes.data(), bytes.size()});
+  if (!recorder::is_of_former_life(file) && live::holder_of(ring_folder, title.settings.id).held) return "";
+  return "  " + std::filesystem::path(file).filename().string() + ": " + title.node + ", begun " + date_of(title.date) +
+         '\n';
+} catch (const std::exception&) {
+  return "";
+}
+
+/// Of the recordings in `folder`, as `ringctl record save` has just put them there: those of lives that have ended, a
+/// line each: "  3.record.former: node3, begun 2026-11-23 06:15:08". Some may be of a ring of the same name that ran
+/// before and was not taken down. Empty where there are none.
+std::string ended_lives(const std::string& ring_folder, const std::string& folder) {
+  std::string lines;
+  for (const std::string& file : recorder::recordings_in(folder)) lines += ended_life(ring_folder, file);
+  return lines;
+}
 
 namespace fs = std::filesystem;
 
@@ -300,38 +329,6 @@ void add_record(CLI::App& app, Context& context) {
   add_save(record, context);
   add_keep(record, context);
   add_record_check(record, context);
-}
-
-namespace {
-
-std::string date_of(std::int64_t ns) {
-  const std::time_t seconds = ns / 1'000'000'000;
-  std::tm local{};
-  ::localtime_r(&seconds, &local);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &local);
-  return text;
-}
-
-/// One that cannot be read says so when it is replayed.
-std::string ended_life(const std::string& ring_folder, const std::string& file) try {
-  std::vector<std::uint8_t> bytes(recorder::kTitleSize);
-  std::ifstream(file, std::ios::binary)
-      .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  const recorder::Title title = recorder::read_title({bytes.data(), bytes.size()});
-  if (!recorder::is_of_former_life(file) && live::holder_of(ring_folder, title.settings.id).held) return "";
-  return "  " + std::filesystem::path(file).filename().string() + ": " + title.node + ", begun " + date_of(title.date) +
-         '\n';
-} catch (const std::exception&) {
-  return "";
-}
-
-}  // namespace
-
-std::string ended_lives(const std::string& ring_folder, const std::string& folder) {
-  std::string lines;
-  for (const std::string& file : recorder::recordings_in(folder)) lines += ended_life(ring_folder, file);
-  return lines;
 }
 
 }  // namespace limb_ring::ringctl

@@ -1,4 +1,4 @@
-#include "tools/ringctl/status.h"
+#include "tools/ringctl/status_rows.h"
 
 #include <unistd.h>
 
@@ -19,8 +19,6 @@
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/ring_folder.h"
 #include "tools/ringctl/screen.h"
-#include "tools/ringctl/status_poll.h"
-#include "tools/ringctl/status_rows.h"
 #include "tools/ringctl/top_table.h"
 
 namespace limb_ring::ringctl {

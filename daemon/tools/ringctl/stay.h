@@ -9,8 +9,8 @@
 #include "io/program.h"
 #include "io/signal_wait.h"
 #include "ring/launched_ring.h"
-#include "tools/ringctl/ring_watch.h"
 #include "tools/ringctl/up.h"
+#include "tools/ringctl/wait.h"
 
 namespace limb_ring::ringctl {
 

@@ -25,9 +25,9 @@
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/hosts.h"
 #include "tools/ringctl/ring_folder.h"
-#include "tools/ringctl/ring_watch.h"
 #include "tools/ringctl/screen.h"
 #include "tools/ringctl/stay.h"
+#include "tools/ringctl/wait.h"
 
 namespace limb_ring::ringctl {
 

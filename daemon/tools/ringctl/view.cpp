@@ -16,8 +16,8 @@
 #include "tools/ringctl/line_report.h"
 #include "tools/ringctl/live_dump.h"
 #include "tools/ringctl/ring_access.h"
-#include "tools/ringctl/status_poll.h"
 #include "tools/ringctl/status_rows.h"
+#include "tools/ringctl/top_table.h"
 #include "tools/ringctl/view_server.h"
 #include "wire/packet.h"
 

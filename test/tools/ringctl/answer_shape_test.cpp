@@ -6,10 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/ringctl/line_report.h"
-#include "tools/ringctl/ring_watch.h"
-#include "tools/ringctl/status.h"
 #include "tools/ringctl/status_rows.h"
 #include "tools/ringctl/top_table.h"
+#include "tools/ringctl/wait.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -10,7 +10,6 @@
 #include "tools/ringctl/line_report.h"
 #include "tools/ringctl/screen.h"
 #include "tools/ringctl/send.h"
-#include "tools/ringctl/status.h"
 #include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {

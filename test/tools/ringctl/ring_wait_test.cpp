@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include "support/node_rows.h"
-#include "tools/ringctl/ring_watch.h"
 #include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
