@@ -4,8 +4,10 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "io/throttle.h"
 #include "ros_bridge/clock_follower.h"
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/controllers.h"
@@ -13,7 +15,6 @@
 #include "ros_bridge/diagnostics_out.h"
 #include "ros_bridge/events_out.h"
 #include "ros_bridge/frames_out.h"
-#include "ros_bridge/interrupt_log.h"
 #include "ros_bridge/joint_data_out.h"
 #include "ros_bridge/parameters.h"
 #include "ros_bridge/ring_port.h"
@@ -23,6 +24,21 @@
 #include "ros_bridge/topic_out.h"
 
 namespace limb_ring::bridge {
+
+/// What is logged of the interrupts that come to the bridge: a line a second for stops and one for the others, however
+/// many come. `ring_events` has each.
+class InterruptLog {
+ public:
+  explicit InterruptLog(const config::RingConfig& ring) : ring_(ring) {}
+
+  /// "INT2 from node head: notify; 41 more since the last such line"; nothing where none is due
+  std::optional<std::string> take(const Interrupt& interrupt,
+                                  process::Throttle::Clock::time_point now = process::Throttle::Clock::now());
+
+ private:
+  const config::RingConfig& ring_;
+  process::Throttle stops_{std::chrono::seconds(1)}, notifies_{std::chrono::seconds(1)};
+};
 
 /// The CPU of one node of the ring, as ROS sees it: one class per direction, put together here.
 ///

@@ -1,4 +1,4 @@
-#include "ros_bridge/interrupt_log.h"
+#include "ros_bridge/bridge.h"
 
 #include <gtest/gtest.h>
 
