@@ -42,16 +42,16 @@ TEST(LatelyDamaged, ForgetsWhatIsOverWhereMoreComes) {
 
 TEST(RoundTrips, AreOfTheLastMinuteSoThatOnePauseIsForgotten) {
   RoundTrips trips;
-  EXPECT_TRUE(trips.to_json(kStart)["since_s"].is_null());
+  EXPECT_FALSE(trips.row(kStart).since_s);
   trips.add(kStart, seconds(1));  // a pause of the machine
   trips.add(kStart + seconds(30), milliseconds(2));
-  const auto both = trips.to_json(kStart + seconds(60));
-  EXPECT_EQ(both["max"], 1e6);
-  EXPECT_EQ(both["since_s"], 60.0);
-  const auto later = trips.to_json(kStart + seconds(61));
-  EXPECT_EQ(later["max"], 2e3);
-  EXPECT_EQ(later["samples"], 1);
-  EXPECT_EQ(later["since_s"], 31.0);
+  const auto both = trips.row(kStart + seconds(60));
+  EXPECT_EQ(both.max, 1e6);
+  EXPECT_EQ(both.since_s, 60.0);
+  const auto later = trips.row(kStart + seconds(61));
+  EXPECT_EQ(later.max, 2e3);
+  EXPECT_EQ(later.samples, 1);
+  EXPECT_EQ(later.since_s, 31.0);
 }
 
 }  // namespace
