@@ -89,7 +89,7 @@ class Cut(LineFault):
         self.order('cut ' + line_of(self.node))
 
     def began(self):
-        return self.link('output lost', [self.node])
+        return self.link([self.node], end='output', **{'is': 'lost'})
 
     def recovered(self):
         # The node before the break stays so where it has lost its input as well, perhaps for a moment, as it does if this
@@ -115,7 +115,7 @@ class Mended(LineFault):
         self.order('heal ' + line_of(self.node))
 
     def detected(self):
-        return self.link('input from', [self.behind()])
+        return self.link([self.behind()], end='input', **{'is': 'up'})
 
     def recovered(self):
         return self.live.watch.whole()
