@@ -126,7 +126,10 @@ void RingPicture::add_line(std::size_t index, const RingStatus& status, const Li
   const std::uint8_t from_id = ring_.nodes[index].id, to_id = ring_.nodes[next].id;
   const NodeStatus* from = find(status, from_id);
   Marker line = arrow("lines", index, next);
-  const bool leads_on = from && from->output_to == to_id;
+  const NodeStatus* behind = find(status, to_id);
+  // Of a node without a daemon here, as a foreign one, the node behind it knows.
+  const bool is_told_behind = from && from->pid == 0 && behind && behind->input_from == from_id;
+  const bool leads_on = is_told_behind || (from && from->output_to == to_id);
   line.color = leads_on ? load_colour(load.of(to_id)) : colour(0.5f, 0.5f, 0.5f, 0.4f);
   if (is_said_broken(status, from_id, to_id)) {
     line.color = colour_of(Condition::down);

@@ -87,6 +87,16 @@ TEST_F(Picture, LeadsPastABypassedNode) {
   EXPECT_EQ(bypasses.front().id, 0);
 }
 
+// As is a foreign one, or one of another host.
+TEST_F(Picture, LeadsOnFromANodeWithoutADaemonHereByWhatTheNodeBehindItSays) {
+  status.nodes[1].pid = 0;
+  status.nodes[1].output_to = -1;
+  const auto unknown = of("lines", draw())[1].color;
+  status.nodes[2].input_from = 7;
+  EXPECT_EQ(of("lines", draw())[1].color, of("lines", draw())[0].color);
+  EXPECT_NE(of("lines", draw())[1].color, unknown);
+}
+
 TEST_F(Picture, TellsTheRoundTrip) {
   status.nodes[2].round_trip_p50 = 61.4e-6;
   EXPECT_EQ(of("names", draw())[2].text, "hip\n61 us");
