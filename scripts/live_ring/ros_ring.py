@@ -40,6 +40,17 @@ def free_port():
         return probe.getsockname()[1]
 
 
+def wait_for(condition, what, *watched):
+    """Until condition() is true. What is watched has check(), which raises where it has ended by itself."""
+    deadline = time.monotonic() + GUARD
+    while not condition():
+        for each in watched:
+            each.check()
+        if time.monotonic() > deadline:
+            raise DemoFailed('waited %g s in vain for %s' % (GUARD, what))
+        time.sleep(0.02)
+
+
 class Launch:
     """roslaunch with a master of its own, ended with all it started."""
 
@@ -127,6 +138,17 @@ class RosRing:
     def counts(self):
         with self._lock:
             return self._states, self._commands
+
+    def positions_until_it_moves(self, joint, *watched):
+        """Three positions of it that differ by 0.1 rad."""
+        seen = set()
+
+        def moves():
+            if joint in self.joints():
+                seen.add(round(self.joints()[joint], 1))
+            return len(seen) >= 3
+        wait_for(moves, joint + ' to move', *watched)
+        return seen
 
     def node(self, name):
         return {node.name: node for node in self.status().nodes}[name]
