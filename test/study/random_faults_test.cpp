@@ -75,28 +75,26 @@ TEST(RandomFaults, BreakNoPromiseInWideWorlds) {
   }
 }
 
-// Hosts lose each other and regroup, ends of lines notice that late, and faults come in bursts within a lap.
-TEST(RandomFaults, BreakNoPromiseWhereRingsFallIntoParts) {
+/// With seeds that are drawn.
+void expect_no_broken_promise(std::uint64_t runs, RandomFaults::FoldBack fold_back, RandomFaults::World world) {
   std::random_device entropy;
   const std::uint64_t first = std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(entropy);
-  std::cout << "seeds " << first << " to " << first + kRuns / 3 - 1 << '\n';
-  for (std::uint64_t seed = first; seed < first + kRuns / 3; ++seed) {
-    RandomFaults run(seed, RandomFaults::FoldBack::some, RandomFaults::World::parts);
+  std::cout << "seeds " << first << " to " << first + runs - 1 << '\n';
+  for (std::uint64_t seed = first; seed < first + runs; ++seed) {
+    RandomFaults run(seed, fold_back, world);
     run.run();
     EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
   }
 }
 
+// Hosts lose each other and regroup, ends of lines notice that late, and faults come in bursts within a lap.
+TEST(RandomFaults, BreakNoPromiseWhereRingsFallIntoParts) {
+  expect_no_broken_promise(kRuns / 3, RandomFaults::FoldBack::some, RandomFaults::World::parts);
+}
+
 // Small rings that fold back are mended again and again, and each time two to four faults come within a lap.
 TEST(RandomFaults, BreakNoPromiseInStorms) {
-  std::random_device entropy;
-  const std::uint64_t first = std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(entropy);
-  std::cout << "seeds " << first << " to " << first + kRuns / 6 - 1 << '\n';
-  for (std::uint64_t seed = first; seed < first + kRuns / 6; ++seed) {
-    RandomFaults run(seed, RandomFaults::FoldBack::all, RandomFaults::World::storms);
-    run.run();
-    EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
-  }
+  expect_no_broken_promise(kRuns / 6, RandomFaults::FoldBack::all, RandomFaults::World::storms);
 }
 
 // Three false alarms of that world. A joining node drops its hello when its output is turned back, by the word of its
