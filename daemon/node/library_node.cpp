@@ -10,7 +10,6 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "config/core_settings.h"
 #include "io/unique_fd.h"
 #include "node/link_settings.h"
 #include "node/steering.h"
@@ -81,13 +80,8 @@ struct LibraryNode::FarEnd final : private link::InputLine, private link::InputH
   FarEnd(LibraryNode& in, NodeId of)
       : node(in),
         id(of),
-        input({in.identity(of), {}, ids(in.config_), in.timing_}, *this, *this, report, upstream,
-              [this](ByteView datagram, const link::UdpAddress&) { node.tell(id, datagram); }) {}
-
-  static std::vector<std::uint8_t> ids(const config::RingConfig& ring) {
-    const core::RingOrder order = setup::order_of(ring);
-    return {order.begin(), order.end()};
-  }
+        input({in.identity(of), {}, setup::order_on(in.config_, core::Line::first), in.timing_}, *this, *this, report,
+              upstream, [this](ByteView datagram, const link::UdpAddress&) { node.tell(id, datagram); }) {}
 
   void close() override { input.close(); }
   std::optional<std::uint8_t> from() const override { return input.from(); }
@@ -113,7 +107,7 @@ LibraryNode::LibraryNode(sim::VirtualRing& ring, const config::RingConfig& confi
       config_(config),
       node_(node),
       id_(node.id),
-      timing_{config.timeouts.idle, config.timeouts.silence, config.timeouts.first_successor},
+      timing_(setup::timing_of(config)),
       agreement_(setup::agreement_of(config)) {
   ring_.kill(id_);
   ring_.set_guest(id_, *this);
@@ -124,7 +118,7 @@ LibraryNode::~LibraryNode() = default;
 void LibraryNode::switch_on() {
   code_ = std::make_unique<Code>(node_.library);
   running_ = std::make_shared<LibraryNode*>(this);
-  const std::vector<std::uint8_t> order = FarEnd::ids(config_);
+  const std::vector<std::uint8_t> order = setup::order_on(config_, core::Line::first);
   std::array<std::uint8_t, link::kAgreementSize> agreement;
   link::store_agreement(agreement.data(), agreement_);
   ++starts_;
@@ -254,13 +248,18 @@ void LibraryNode::take_of_input(const LinkHeader& header) {
   }
 }
 
+/// Of the node before it.
+LinkHeader LibraryNode::header(LinkHeaderType type) const {
+  LinkHeader header;
+  header.type = type;
+  header.ring = link::ring_hash(config_.ring);
+  header.session = before_->session;
+  header.sender = before_->id;
+  return header;
+}
+
 void LibraryNode::ask() {
-  LinkHeader connect;
-  connect.type = LinkHeaderType::connect;
-  connect.ring = link::ring_hash(config_.ring);
-  connect.session = before_->session;
-  connect.sender = before_->id;
-  const auto bytes = link::encode_connect(connect, agreement_);
+  const auto bytes = link::encode_connect(header(LinkHeaderType::connect), agreement_);
   tell(kAsks + before_->id, {bytes.data(), bytes.size()});
 }
 
@@ -276,13 +275,9 @@ void LibraryNode::receive(const wire::Slice& slice, core::Time) {
 }
 
 void LibraryNode::send_slices(ByteView slices) {
-  LinkHeader header;
-  header.type = LinkHeaderType::slices;
-  header.ring = link::ring_hash(config_.ring);
-  header.session = before_->session;
-  header.sequence = ++before_->sequence;
-  header.sender = before_->id;
-  const auto bytes = link::encode(header);
+  LinkHeader slices_of = header(LinkHeaderType::slices);
+  slices_of.sequence = ++before_->sequence;
+  const auto bytes = link::encode(slices_of);
   std::vector<std::uint8_t> datagram(bytes.begin(), bytes.end());
   datagram.insert(datagram.end(), slices.begin(), slices.end());
   call([&] { code_->came(milliseconds(), kAsks + before_->id, datagram.data(), datagram.size()); });

@@ -58,6 +58,7 @@ class LibraryNode final : private sim::Guest {
   void keep_lines();
   void sent(std::uint32_t to, wire::ByteView datagram);
   void take_of_input(const link::LinkHeader& header);
+  link::LinkHeader header(link::LinkHeaderType type) const;
   void ask();
   void send_slices(wire::ByteView slices);
   void tell(std::uint32_t from, wire::ByteView datagram);

@@ -45,23 +45,11 @@ std::optional<link::Endpoint> endpoint_from_hosts(const RingConfig& ring, const 
   return std::nullopt;
 }
 
-/// Ids in the order in which the line runs.
-std::vector<std::uint8_t> order_on(const RingConfig& ring, Line line) {
-  const core::RingOrder ids = order_of(ring);
-  std::vector<std::uint8_t> order(ids.begin(), ids.end());
-  if (line == Line::second) std::reverse(order.begin(), order.end());
-  return order;
-}
-
 /// Of the nodes in that order.
 std::vector<std::string> names_on(const RingConfig& ring, Line line) {
   std::vector<std::string> names;
   for (const std::uint8_t id : order_on(ring, line)) names.push_back(ring.find(id)->name);
   return names;
-}
-
-link::Timing timing_of(const RingConfig& ring) {
-  return {ring.timeouts.idle, ring.timeouts.silence, ring.timeouts.first_successor};
 }
 
 bool has_udp_lines(const RingConfig& ring) {
@@ -107,6 +95,17 @@ link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& n
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> order_on(const RingConfig& ring, Line line) {
+  const core::RingOrder ids = order_of(ring);
+  std::vector<std::uint8_t> order(ids.begin(), ids.end());
+  if (line == Line::second) std::reverse(order.begin(), order.end());
+  return order;
+}
+
+link::Timing timing_of(const RingConfig& ring) {
+  return {ring.timeouts.idle, ring.timeouts.silence, ring.timeouts.first_successor};
+}
 
 std::vector<LinkSettings> link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
   std::vector<LinkSettings> lines;

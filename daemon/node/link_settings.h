@@ -24,6 +24,11 @@ struct LinkSettings {
 std::vector<LinkSettings> link_settings(const config::RingConfig& ring, const config::NodeConfig& node,
                                         const std::string& directory);
 
+/// The waits of a line's two ends.
+link::Timing timing_of(const config::RingConfig& ring);
+/// Ids of all nodes in the order in which the line runs.
+std::vector<std::uint8_t> order_on(const config::RingConfig& ring, core::Line line);
+
 /// What all nodes of a ring must agree on, out of its file (protocol.md section 6.13). Not in it, since it may differ
 /// from host to host: transport, addresses and ports, `limits`, `realtime`, `firmware`, `bridge`, the commands of CPUs,
 /// and waits that concern one node alone.
