@@ -87,7 +87,7 @@ struct Word {
   ToCpu to_cpu = ToCpu::nothing;
   /// Of a node or CPU: it lasts until one of these, a set of bit_of(), or its own time `for`; 0: it is over at once.
   std::uint32_t ended_by = 0;
-  bool silences = false;  ///< the CPU sends nothing of its own while it lasts
+  bool silences = false;  ///< while it lasts, nothing that the CPU sends goes out
 };
 
 constexpr unsigned kWhen = kFor | kAfter | kAfterPackets;       ///< of all lines' faults

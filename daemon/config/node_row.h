@@ -77,7 +77,7 @@ struct Stop {
     "its process is stopped (SIGSTOP), which a CPU without an `alive_period` does not show otherwise")               \
   X(Maybe<std::int64_t>, silent_ms, {}, some, "since its last word; 0 where none is attached")                       \
   X(Maybe<std::int64_t>, alive_period_ms, {}, some,                                                                  \
-    "it has promised a word, or the ring's file has for it, each so many ms; 0: no promise")                         \
+    "the CPU, or the ring's file for it, has promised a sign of life in each period; 0: no promise")                 \
   X(Maybe<bool>, restarted_by_owner, {}, some, "attached: it says that somebody starts it again when it is killed")  \
   X(Maybe<std::uint64_t>, resets, {}, some, "how often it was reset since the daemon's start")                       \
   X(Maybe<Text>, last_reset, {}, some, "by whom last, as \"INT0 from node 0\"")                                      \
@@ -154,7 +154,7 @@ struct Warning {
 };
 
 #define LIMB_RING_LATELY_DAMAGED(X)                                            \
-  X(std::int64_t, within_s, 0, always, "the last so many seconds are counted") \
+  X(std::int64_t, within_s, 0, always, "length of the window that is counted") \
   X(double, oldest_s, 0, told, "how long ago the first of them came")          \
   X(std::uint64_t, crc_errors, 0, told, "packets that came in damaged")        \
   X(std::uint64_t, returns_damaged, 0, told, "those of them that were its own")

@@ -8,7 +8,7 @@
 
 namespace limb_ring::process {
 
-/// Lets so many lines of a log through per period, whatever asks for them, and counts the others. In ROS, too: roscpp's
+/// Limits how many lines go to a log in each period, and counts those that are held back. Used in ROS, too: roscpp's
 /// own throttled warnings stay silent under use_sim_time while /clock does. (ours)
 class Throttle {
  public:

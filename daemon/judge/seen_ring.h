@@ -148,8 +148,8 @@ struct Flow {
   void clear();
 };
 
-/// Of sends of one content that are forgotten, while others of it are not, and of which nobody knows whether they were
-/// taken: so many were found to be taken, and so many not.
+/// How many sends of one content were forgotten while others of it are still known. Of none of them it is certain
+/// whether it was taken; `taken` were found to be, `untaken` were not.
 struct Former {
   unsigned taken = 0, untaken = 0;
 };
