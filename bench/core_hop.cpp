@@ -64,13 +64,13 @@ class Node {
  public:
   Node(unsigned id, bool recorded) : core_(settings_of(id), core::Time{}) {
     if (recorded) record();
-    core_.input_up(Line::first, wire::NodeId{200}, core::Time{});
-    core_.output_up(Line::first, wire::NodeId{201}, core::Time{});
+    core_.apply(core::input::InputUp{Line::first, wire::NodeId{200}}, core::Time{});
+    core_.apply(core::input::OutputUp{Line::first, wire::NodeId{201}}, core::Time{});
   }
   void pass(const Packets& packets, core::Time now) {
     for (const auto& packet : packets)
       core_.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, now);
-    core_.run(now);
+    core_.apply(core::input::Run{}, now);
     core_.output(Line::first).clear();
   }
 

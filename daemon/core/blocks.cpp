@@ -50,7 +50,8 @@ void Blocks::set_neighbours(NodeId before, NodeId next, NodeId successor) {
   membership_.set_neighbours(before, next);
 }
 
-void Blocks::receive(const wire::Slice& slice, Time now) {
+void Blocks::receive(Line on, const wire::Slice& slice, Time now) {
+  if (tap_ != nullptr) tap_->arrives(slice, on, now);
   const Relay::Effect effect = relay_.receive(slice, now);
   if (effect.own) own_changes();
   if (effect.on_line) return;  // the usual case on a line without a data rate

@@ -1,8 +1,19 @@
 #pragma once
 
+#include "core/line.h"
 #include "core/relay/relay.h"
 
 namespace limb_ring::core {
+
+/// Sees each packet once, on whichever line it comes and goes, but not what the node only repeats on the second. (ours)
+class Tap {
+ public:
+  virtual ~Tap() = default;
+  /// Before the blocks take a slice.
+  virtual void arrives(const wire::Slice&, Line, Time) {}
+  /// What the blocks have given out, framed.
+  virtual void leaves(wire::ByteView framed_slices, Line, Time) = 0;
+};
 
 /// The blocks of a network controller, wired: Relay, Transmit, Packet Manager, Receive (paper), pins and interrupt
 /// inputs (paper), membership (ours), between one line in and one line out. The fold decides which lines of the node
@@ -12,7 +23,6 @@ class Blocks {
   explicit Blocks(const Settings& settings);
   Blocks(const Blocks&) = delete;
   Blocks& operator=(const Blocks&) = delete;
-  virtual ~Blocks() = default;
 
   /// @name The lines
   ///@{
@@ -46,14 +56,18 @@ class Blocks {
   /// Another DATP of the largest size could come in.
   bool has_room() const { return packet_manager_.has_room(); }
   void set_output_ready(bool ready) { packet_manager_.set_ready(ready); }
-  /// A slice that the fold lets in. (ours, fold_back.h)
-  virtual void enter(const wire::Slice& slice, Time now) { receive(slice, now); }
-  /// One slice from upstream.
-  void receive(const wire::Slice& slice, Time now);
+  /// One slice from upstream. @param on for the tap: the line that it came on
+  void receive(Line on, const wire::Slice& slice, Time now);
   /// The node takes nothing from that packet, which has a good CRC, and does not look at its data.
   bool only_passes(const wire::PacketFields& packet) const { return !receive_.heeds(packet); }
   /// Slices for downstream; whoever writes them clears it.
   wire::SliceWriter& line() { return line_; }
+  /// From now on `tap` sees the packets; null: nobody does.
+  void set_tap(Tap* tap) { tap_ = tap; }
+  /// Shows the tap what is in line(), which leaves on that one.
+  void show_given_out(Line on, Time now) {
+    if (tap_ != nullptr && !line_.empty()) tap_->leaves(line_.view(), on, now);
+  }
   ///@}
 
   /// @name The CPU and its helpers. Every call ends in exactly one SendEnded event.
@@ -150,6 +164,7 @@ class Blocks {
   const Settings settings_;
   mutable Time own_deadline_ = Time::min();  ///< holds while it is not reached
   bool settled_ = false;                     ///< membership has settled what has changed
+  Tap* tap_ = nullptr;
   EventQueue events_;
   wire::SliceWriter line_;
   Receive receive_;

@@ -18,29 +18,6 @@ const char* const kInputNames[] = {"input_up", "input_lost",  "input_gap", "outp
                                    "cpu",      "cpu_present", "timeout",   "run"};
 static_assert(std::size(kInputNames) == std::variant_size_v<core::Input>);
 
-/// Does to a core what was done to the recorded one.
-struct Doing {
-  NetworkController& core;
-  core::Time now;
-
-  void operator()(const input::InputUp& call) { core.input_up(call.line, call.from, now); }
-  void operator()(const input::InputLost& call) { core.input_lost(call.line, now); }
-  void operator()(const input::InputGap& call) { core.input_gap(call.line, now); }
-  void operator()(const input::OutputUp& call) { core.output_up(call.line, call.to, now); }
-  void operator()(const input::OutputLost& call) { core.output_lost(call.line, now); }
-  void operator()(const input::OutputReady& call) { core.set_output_ready(call.line, call.ready); }
-  void operator()(const input::Receive& call) { core.receive(call.line, call.slice, now); }
-  void operator()(const input::Send& call) { core.send(call.request, now); }
-  void operator()(const input::Interrupt& call) { core.interrupt(call.request, now); }
-  void operator()(const input::Pull& call) { core.pull(call.owner, call.token, call.input, now); }
-  void operator()(const input::Cancel& call) { core.cancel(call.owner, now); }
-  void operator()(const input::CpuReset& call) { core.cpu_reset(call.cpu, now); }
-  void operator()(const input::Cpu& call) { core.set_cpu(call.report, now); }
-  void operator()(const input::CpuPresent& call) { core.set_cpu_present(call.present); }
-  void operator()(const input::Timeout&) { core.handle_timeout(now); }
-  void operator()(const input::Run&) { core.run(now); }
-};
-
 template <class T>
 std::string in_words(T what, TextArchive::Form form = TextArchive::Form::one_line) {
   TextArchive text(form);
@@ -111,7 +88,7 @@ bool Replay::step() {
   ++records_;
   if (auto* input = std::get_if<core::Input>(&last_.what)) {
     if (auto* call = std::get_if<input::Receive>(input)) look_at_data(*call);
-    std::visit(Doing{*controller_, last_.at}, *input);
+    controller_->apply(*input, last_.at);
   } else if (const auto* written = std::get_if<Written>(&last_.what)) {
     compare(*written);
   } else if (const auto* event = std::get_if<core::Event>(&last_.what)) {

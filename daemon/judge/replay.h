@@ -44,7 +44,7 @@ class Replay {
   /// The core as it is now. At the end of a half it is replaced by another object, so do not keep the reference.
   core::NetworkController& controller() { return *controller_; }
   /// Sees the packets from now on; may be null.
-  void set_tap(core::NetworkController::Tap* tap) {
+  void set_tap(core::Tap* tap) {
     tap_ = tap;
     controller_->set_tap(tap);
   }
@@ -65,7 +65,7 @@ class Replay {
   std::size_t half_ = 0;
   RecordReader reader_;
   std::unique_ptr<core::NetworkController> controller_;
-  core::NetworkController::Tap* tap_ = nullptr;
+  core::Tap* tap_ = nullptr;
   PacketData& data_;
   std::optional<Record> next_;
   Record last_;

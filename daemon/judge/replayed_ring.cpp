@@ -168,7 +168,7 @@ std::string comment_on(wire::ByteView packet, const PacketData& data) {
 
 }  // namespace
 
-class ReplayCapture::NodeTap : public core::NetworkController::Tap {
+class ReplayCapture::NodeTap : public core::Tap {
  public:
   NodeTap(ReplayedLife& life, std::chrono::nanoseconds date, capture::PcapngWriter& writer, const PacketData& data)
       : life_(life), date_(date), in_(to(writer, data)), out_(to(writer, data)) {}

@@ -16,7 +16,7 @@ std::optional<std::string> ClientCalls::on_attach(const host::ClientInfo& client
 }
 
 void ClientCalls::on_detach(const host::ClientInfo& client) {
-  to_.driver.controller().cancel(SendOwner::of(client.id).to_core(), to_.driver.now());
+  to_.driver.controller().apply(core::input::Cancel{SendOwner::of(client.id).to_core()}, to_.driver.now());
   to_.observers.remove(client.id);
   to_.packet_observers.remove(client.id);
   to_.promise_observers.remove(client.id);
@@ -61,7 +61,7 @@ void ClientCalls::on_send(host::ClientId client, const client::SendRequest& requ
   send.priority = wire::Priority{request.priority};
   send.channel = wire::ChannelId{request.channel};
   send.data = request.data;
-  to_.driver.controller().send(send, to_.driver.now());
+  to_.driver.controller().apply(core::input::Send{send}, to_.driver.now());
   to_.driver.pump_soon();
 }
 
@@ -77,12 +77,14 @@ void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptReq
   }
   const core::InterruptRequest interrupt{SendOwner::of(client).to_core(), request.token,
                                          wire::NodeId{request.destination}, wire::Factor{request.factor}};
-  to_.driver.pump_around([&](core::Time now) { to_.driver.controller().interrupt(interrupt, now); });
+  to_.driver.pump_around(
+      [&](core::Time now) { to_.driver.controller().apply(core::input::Interrupt{interrupt}, now); });
 }
 
 void ClientCalls::on_pull(host::ClientId client, const client::PullRequest& request) {
   to_.driver.pump_around([&](core::Time now) {
-    to_.driver.controller().pull(SendOwner::of(client).to_core(), request.token, request.input, now);
+    to_.driver.controller().apply(core::input::Pull{SendOwner::of(client).to_core(), request.token, request.input},
+                                  now);
   });
 }
 

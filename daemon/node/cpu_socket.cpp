@@ -56,7 +56,7 @@ void CpuSocket::spoke() {
   watch_.spoke(driver_.now());
   process_.spoke(driver_.clock().now());
   reported_.spoke_at = driver_.now();
-  driver_.controller().set_cpu(reported_, driver_.now());
+  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
 }
 
 void CpuSocket::hand_over() {
@@ -115,13 +115,13 @@ void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t sour
 void CpuSocket::stop_latched(bool latched) {
   if (latched == stop_.latched) return;
   stop_.latched = reported_.stop_latched = latched;
-  driver_.controller().set_cpu(reported_, driver_.now());
+  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
   driver_.pump();
 }
 
 void CpuSocket::clock_latched(const wire::ClockLatch& latch) {
   reported_.latch = latch;
-  driver_.controller().set_cpu(reported_, driver_.now());
+  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
 }
 
 CpuStatus CpuSocket::status() const {
@@ -141,7 +141,7 @@ void CpuSocket::report() {
   reported_.boots = now.boots;
   reported_.state = now.state;
   reported_.comes_back = now.kind != CpuKind::attached || now.restarted_by_owner;
-  driver_.controller().set_cpu(reported_, driver_.now());
+  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
   changed_();
   driver_.pump();
 }

@@ -105,12 +105,12 @@ void Engine::on_slice(core::Line line, const wire::Slice& slice) {
 
 void Engine::on_input_gap(core::Line line) {
   if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
-  controller_.input_gap(line, now());
+  controller_.apply(core::input::InputGap{line}, now());
 }
 
 void Engine::on_input_up(core::Line line, wire::NodeId from) {
   listener_.on_link({line, true, LinkChange::Is::up, from});
-  controller_.input_up(line, from, now());
+  controller_.apply(core::input::InputUp{line, from}, now());
   pump();
 }
 
@@ -118,20 +118,20 @@ void Engine::on_input_lost(core::Line line, std::string_view reason) {
   tell_lost(line, true, reason);
   if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
   if (line == core::Line::first) input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
-  controller_.input_lost(line, now());
+  controller_.apply(core::input::InputLost{line}, now());
   pump();
 }
 
 void Engine::on_output_up(core::Line line, wire::NodeId to) {
   listener_.on_link({line, false, LinkChange::Is::up, to});
-  controller_.output_up(line, to, now());
+  controller_.apply(core::input::OutputUp{line, to}, now());
   pump();
 }
 
 void Engine::on_output_lost(core::Line line, std::string_view reason) {
   tell_lost(line, false, reason);
   if (tap_ != nullptr) tap_->on_output_gap(clock_.steady(now()));
-  controller_.output_lost(line, now());
+  controller_.apply(core::input::OutputLost{line}, now());
   pump();
 }
 
@@ -190,8 +190,8 @@ void Engine::pump_around(const std::function<void(core::Time now)>& call) {
 
 void Engine::round() {
   again_ = false;
-  if (deadline_ <= at_) controller_.handle_timeout(at_);
-  controller_.run(at_);
+  if (deadline_ <= at_) controller_.apply(core::input::Timeout{}, at_);
+  controller_.apply(core::input::Run{}, at_);
   core::Event event;
   while (controller_.take_event(at_, event)) {
     note(event);

@@ -20,7 +20,7 @@ namespace limb_ring::runtime {
 
 /// Drives the core: bytes from the links and the time go in, what comes out goes onto the lines and to the listener.
 /// One read, one write: all slices of a batch are handed in before anything is written.
-class Engine final : public NodeDriver, private LineHandler, private core::NetworkController::Tap {
+class Engine final : public NodeDriver, private LineHandler, private core::Tap {
  public:
   Engine(boost::asio::io_context& io, const core::Settings& core, const std::vector<setup::LinkSettings>& lines,
          DriverListener& listener);

@@ -171,7 +171,7 @@ void Traffic::send(std::uint32_t id, Run& run) {
   request.destination = run.request.to;
   request.priority = wire::Priority{run.request.priority};
   request.data = {run.data.data(), run.request.size};
-  driver_.controller().send(request, driver_.now());
+  driver_.controller().apply(core::input::Send{request}, driver_.now());
 }
 
 void Traffic::send_next(std::uint32_t id) {

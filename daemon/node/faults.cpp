@@ -349,7 +349,7 @@ void BabblingCpu::stop() {
   if (!on_) return;
   on_ = false;
   next_->cancel();
-  driver_.controller().cancel(kBabblingOwner, driver_.now());
+  driver_.controller().apply(core::input::Cancel{kBabblingOwner}, driver_.now());
   driver_.pump();
 }
 
@@ -360,7 +360,7 @@ void BabblingCpu::send() {
   request.token = next_token_++;
   request.destination = wire::kBroadcast;
   request.data = {data_.data(), data_.size()};
-  driver_.controller().send(request, driver_.now());
+  driver_.controller().apply(core::input::Send{request}, driver_.now());
 }
 
 void BabblingCpu::send_next() {

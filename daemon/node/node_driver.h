@@ -88,7 +88,7 @@ class NodeDriver {
   ///@{
   virtual bool take(core::ReceivedPacket& packet) { return controller().take(now(), packet); }
   virtual void set_cpu_present(bool present) { controller().set_cpu_present(present); }
-  virtual void cpu_reset(core::Owner owner) { controller().cpu_reset(owner, now()); }
+  virtual void cpu_reset(core::Owner owner) { controller().apply(core::input::CpuReset{owner}, now()); }
   ///@}
   virtual event_loop::NodeClock& clock() = 0;
   /// The controller's time. It stands still while a batch, and all that follows from it, is handled.

@@ -47,7 +47,8 @@ constexpr core::Owner kInterruptsOwner = SendOwner::of(SendOwner::Kind::daemon_i
 void DaemonInterrupts::interrupt(wire::NodeId to, std::uint8_t factor, Ended done) {
   const std::uint32_t token = ++last_token_;
   interrupts_.emplace(token, std::move(done));
-  driver_.controller().interrupt({kInterruptsOwner, token, to, wire::Factor{factor}}, driver_.now());
+  driver_.controller().apply(core::input::Interrupt{{kInterruptsOwner, token, to, wire::Factor{factor}}},
+                             driver_.now());
   driver_.pump();
 }
 

@@ -38,7 +38,7 @@ static_assert(runtime::SendOwner::of(runtime::SendOwner::Kind::ring_user).to_cor
 
 // Sends that the ring's own user (VirtualRing::kUser) made for this CPU end with the CPU.
 void VirtualNode::cpu_reset(core::Owner owner) {
-  controller().cpu_reset(owner, now());
+  controller().apply(core::input::CpuReset{owner}, now());
   world_.ring.reset_cpu(id_);
 }
 

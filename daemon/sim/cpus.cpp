@@ -27,7 +27,7 @@ void Cpus::tell(NodeId id, wire::CpuState state) {
   report.boots = cpus_[id].boots;
   report.state = state;
   report.spoke_at = cpus_[id].spoke_at;
-  ring_.node(id).set_cpu(report, ring_.now());
+  ring_.node(id).apply(core::input::Cpu{report}, ring_.now());
 }
 
 void Cpus::read(NodeId id, bool reads) {

@@ -46,14 +46,14 @@ void VirtualRing::attach_input(NodeId id, NodeId from, Line line) {
   end_of(id, line, true).told = from;
   touch(id);
   for (Observer* observer : observers_) observer->input_changes(id, line, now_);
-  nodes_[id].controller->input_up(line, from, now_);
+  nodes_[id].controller->apply(core::input::InputUp{line, from}, now_);
 }
 
 void VirtualRing::input_lost(NodeId id, Line line) {
   touch(id);
   for (Observer* observer : observers_) observer->input_changes(id, line, now_);
   if (nodes_[id].guest != nullptr) return nodes_[id].guest->input_gone();
-  nodes_[id].controller->input_lost(line, now_);
+  nodes_[id].controller->apply(core::input::InputLost{line}, now_);
 }
 
 void VirtualRing::output_up(NodeId id, NodeId to, Line line) {
@@ -73,7 +73,7 @@ void VirtualRing::guest_connected(NodeId id) {
 
 void VirtualRing::guest_gap(NodeId id) {
   const auto to = successor(id);
-  if (to && nodes_[*to].guest == nullptr) node(*to).input_gap(Line::first, now_);
+  if (to && nodes_[*to].guest == nullptr) node(*to).apply(core::input::InputGap{Line::first}, now_);
 }
 
 void VirtualRing::attach_output(NodeId id, NodeId to, Line line) {
@@ -81,13 +81,13 @@ void VirtualRing::attach_output(NodeId id, NodeId to, Line line) {
   end_of(id, line, false).told = to;
   touch(id);
   for (Observer* observer : observers_) observer->output_ready(id, true, now_);
-  nodes_[id].controller->output_up(line, to, now_);
+  nodes_[id].controller->apply(core::input::OutputUp{line, to}, now_);
 }
 
 void VirtualRing::output_lost(NodeId id, Line line) {
   touch(id);
   if (nodes_[id].guest != nullptr) return nodes_[id].guest->output_gone();
-  nodes_[id].controller->output_lost(line, now_);
+  nodes_[id].controller->apply(core::input::OutputLost{line}, now_);
 }
 
 // ---- what a node notices late -------------------------------------------------------------
@@ -127,7 +127,7 @@ bool VirtualRing::revive(NodeId id, Line line) {
   wire_of(to, line).predecessor = id;
   touch(to);
   for (Observer* observer : observers_) observer->input_changes(to, line, now_);
-  nodes_[to].controller->input_gap(line, now_);
+  nodes_[to].controller->apply(core::input::InputGap{line}, now_);
   return true;
 }
 

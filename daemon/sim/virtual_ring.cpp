@@ -75,14 +75,14 @@ std::uint32_t VirtualRing::send(NodeId id, NodeId destination, const std::vector
   request.channel = wire::ChannelId{channel};
   request.data = {data.data(), data.size()};
   for (Observer* observer : observers_) observer->asked(id, request, now_);
-  node(id).send(request, now_);
+  node(id).apply(core::input::Send{request}, now_);
   return request.token;
 }
 
 std::uint32_t VirtualRing::interrupt(NodeId id, NodeId destination, std::uint8_t factor) {
   const core::InterruptRequest request{kUser, nodes_[id].next_token++, destination, wire::Factor{factor}};
   for (Observer* observer : observers_) observer->asked(id, request, now_);
-  node(id).interrupt(request, now_);
+  node(id).apply(core::input::Interrupt{request}, now_);
   return request.token;
 }
 
@@ -93,13 +93,13 @@ std::uint32_t VirtualRing::pull(NodeId id, unsigned input) {
     for (Observer* observer : observers_)
       observer->asked(id, core::InterruptRequest{kUser, token, inputs[input]->destination, inputs[input]->factor},
                       now_);
-  node(id).pull(kUser, token, input, now_);
+  node(id).apply(core::input::Pull{kUser, token, input}, now_);
   return token;
 }
 
 void VirtualRing::reset_cpu(NodeId id) {
   tell(id, Incident::cpu_reset);
-  node(id).cpu_reset(kUser, now_);
+  node(id).apply(core::input::CpuReset{kUser}, now_);
 }
 
 void VirtualRing::set_cpu_present(NodeId id, bool present) {
@@ -114,7 +114,7 @@ void VirtualRing::set_cpu_reads(NodeId id, bool reads) {
 
 void VirtualRing::cancel(NodeId id) {
   tell(id, Incident::cancelled);
-  node(id).cancel(kUser, now_);
+  node(id).apply(core::input::Cancel{kUser}, now_);
 }
 
 const core::SendEnded* VirtualRing::ended(NodeId id, std::uint32_t token) const {
@@ -229,8 +229,8 @@ void VirtualRing::settle_guest(NodeId id, Node& node) {
 void VirtualRing::settle(NodeId id, Node& node) {
   if (node.guest != nullptr) return settle_guest(id, node);
   NetworkController& controller = *node.controller;
-  controller.handle_timeout(now_);
-  controller.run(now_);
+  controller.apply(core::input::Timeout{}, now_);
+  controller.apply(core::input::Run{}, now_);
   for (const Line line : controller.lines())
     if (SliceWriter& slices = controller.output(line); !slices.empty())
       put_on_line(id, line, node.lines[static_cast<std::size_t>(line)], slices);

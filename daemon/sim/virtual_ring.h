@@ -209,7 +209,7 @@ class VirtualRing {
     bool loses_it() const { return notices != core::kNever; }
   };
   /// Tells the observers what reaches and leaves a node's blocks.
-  struct ObserverTap final : NetworkController::Tap {
+  struct ObserverTap final : core::Tap {
     ObserverTap(VirtualRing& in, NodeId at) : ring(in), node(at) {}
     void arrives(const wire::Slice& slice, Line, Time now) override {
       for (Observer* observer : ring.observers_) observer->arrives(node, slice, now);

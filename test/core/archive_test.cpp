@@ -149,8 +149,8 @@ TEST(State, HasThePacketThatIsComingIn) {
   before.line();
   Blocks after{before.node().settings()};
   read_state(bytes_of(before.node()), after);
-  after.receive({wire::SliceKind::more, {packet.data() + 4, 20}}, before.now());
-  after.receive({wire::SliceKind::end, {packet.data() + 24, packet.size() - 24}}, before.now());
+  after.receive(Line::first, {wire::SliceKind::more, {packet.data() + 4, 20}}, before.now());
+  after.receive(Line::first, {wire::SliceKind::end, {packet.data() + 24, packet.size() - 24}}, before.now());
   ReceivedPacket taken;
   ASSERT_TRUE(after.take(before.now(), taken));
   EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
@@ -164,7 +164,7 @@ TEST(State, HasThePacketThatIsComingInAlsoWhereItGoesNowhereAnyMore) {
   before.node().output_lost(before.now());
   Blocks after{before.node().settings()};
   read_state(bytes_of(before.node()), after);
-  after.receive({wire::SliceKind::end, {packet.data() + 24, packet.size() - 24}}, before.now());
+  after.receive(Line::first, {wire::SliceKind::end, {packet.data() + 24, packet.size() - 24}}, before.now());
   ReceivedPacket taken;
   ASSERT_TRUE(after.take(before.now(), taken));
   EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));

@@ -73,12 +73,12 @@ TEST_F(BrokenPacket, WhatWaitsBehindAnEndGoesInTheSameTurn) {
 
 TEST_F(BrokenPacket, IsBrokenOffByAGapOfItsOwnLine) {
   NetworkController node(solo.node().settings(), Time{});
-  node.input_up(Line::first, 0_id, Time{});
-  node.output_up(Line::first, 2_id, Time{});
+  node.apply(input::InputUp{Line::first, 0_id}, Time{});
+  node.apply(input::OutputUp{Line::first, 2_id}, Time{});
   node.receive(Line::first, {SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
-  node.input_gap(Line::second, Time{});
+  node.apply(input::InputGap{Line::second}, Time{});
   EXPECT_EQ(node.counters().broken_off_packets, 0u);
-  node.input_gap(Line::first, Time{});
+  node.apply(input::InputGap{Line::first}, Time{});
   EXPECT_EQ(node.counters().broken_off_packets, 1u);
 }
 
@@ -271,7 +271,7 @@ TEST_F(BrokenPacket, InterruptWithABadCrcPullsNoPinAndStaysBad) {
 }
 
 TEST_F(BrokenPacket, WhatNobodyHasWrittenYetIsGoneWithItsLine) {
-  solo.node().receive({SliceKind::whole, {packet.data(), packet.size()}}, solo.now());
+  solo.node().receive(Line::first, {SliceKind::whole, {packet.data(), packet.size()}}, solo.now());
   ASSERT_TRUE(solo.node().has_given_out());
   solo.node().output_replaced(solo.now());
   EXPECT_FALSE(solo.node().has_given_out());

@@ -188,8 +188,8 @@ TEST_F(FoldBackTest, ANodeThatGoesOnFromAStateIsStillFolded) {
   NetworkController node{ring.settings(0_id), ring.now()};
   read_state(bytes_of(ring.node(0_id)), node);
   const Bytes data = text("round");
-  node.send(send_of(1, 1, 2_id, data), ring.now());
-  node.run(ring.now());
+  node.apply(input::Send{send_of(1, 1, 2_id, data)}, ring.now());
+  node.apply(input::Run{}, ring.now());
   const wire::Slice sent = wire::parse_slice(node.output(Line::first).view()).slice;
   ASSERT_EQ(sent.kind, wire::SliceKind::whole);
   const Bytes home = SoloNode::home({sent.bytes.begin(), sent.bytes.end()}, 1, kNodes - 1);

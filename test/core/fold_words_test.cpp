@@ -21,8 +21,8 @@ struct FoldWords : testing::Test {
     return s;
   }
   void run() {
-    node.handle_timeout(now);
-    node.run(now);
+    node.apply(input::Timeout{}, now);
+    node.apply(input::Run{}, now);
   }
   void run_for(Duration duration) {
     const Time until = now + duration;
@@ -58,8 +58,8 @@ struct FoldWords : testing::Test {
   }
   void both_lines_up() {
     for (const Line line : node.lines()) {
-      node.input_up(line, line == Line::first ? 0_id : 2_id, now);
-      node.output_up(line, line == Line::first ? 2_id : 0_id, now);
+      node.apply(input::InputUp{line, line == Line::first ? 0_id : 2_id}, now);
+      node.apply(input::OutputUp{line, line == Line::first ? 2_id : 0_id}, now);
     }
     run();
   }
@@ -72,7 +72,7 @@ struct FoldWords : testing::Test {
 // Its neighbours would take the line for whole again (seed 38 of test/model).
 TEST_F(FoldWords, TheFirstBeaconOfANewFoldSaysThatItIsOne) {
   both_lines_up();
-  node.input_lost(Line::first, now);
+  node.apply(input::InputLost{Line::first}, now);
   run_for(1050ms);
   ASSERT_EQ(node.membership().state(), NodeState::open_chain);
   given(Line::first);
@@ -88,25 +88,25 @@ TEST_F(FoldWords, TheFirstBeaconOfANewFoldSaysThatItIsOne) {
 // The others on the second line would look for the fold at the wrong place (seed 48 of test/model).
 TEST_F(FoldWords, ANodeThatSendsBackItselfAnnouncesNoOtherFold) {
   both_lines_up();
-  node.output_lost(Line::first, now);
-  node.input_lost(Line::first, now);
+  node.apply(input::OutputLost{Line::first}, now);
+  node.apply(input::InputLost{Line::first}, now);
   word(Line::second, FoldWordKind::begin, 3_id);
-  node.input_up(Line::first, 0_id, now);
+  node.apply(input::InputUp{Line::first, 0_id}, now);
   given(Line::second);
   word(Line::first, FoldWordKind::last, 0_id);
   ASSERT_EQ(node.input_line(), Line::first);
   ASSERT_EQ(node.output_line(), Line::second);
   EXPECT_THAT(given(Line::second), Not(Contains(bytes(FoldWordKind::begin, 3_id))));
-  node.output_up(Line::first, 2_id, now);
+  node.apply(input::OutputUp{Line::first, 2_id}, now);
   EXPECT_THAT(given(Line::second), Contains(bytes(FoldWordKind::begin, 3_id))) << "now it repeats";
 }
 
 // Words of the next node came before there was a line to it (seed 222 of test/model).
 TEST_F(FoldWords, NothingIsRelayedOntoALineThatHasNotBeenUp) {
-  node.input_up(Line::second, 2_id, now);
+  node.apply(input::InputUp{Line::second, 2_id}, now);
   word(Line::second, FoldWordKind::deaf, 2_id);
   word(Line::second, FoldWordKind::hears, 2_id);
-  node.input_up(Line::first, 0_id, now);
+  node.apply(input::InputUp{Line::first, 0_id}, now);
   const Bytes packet = foreign_interrupt(0, 3, 2);
   node.receive(Line::first, {SliceKind::interrupt, {packet.data(), packet.size()}}, now);
   run();

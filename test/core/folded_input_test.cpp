@@ -10,9 +10,9 @@ struct FoldedAtNodeOne : LoneFold {
   using LoneFold::LoneFold;
   void SetUp() override {
     LoneFold::SetUp();
-    node.input_lost(Line::first, Time{});
+    node.apply(input::InputLost{Line::first}, Time{});
     hear(wire::FoldWordKind::begin, 1_id);
-    node.input_up(Line::first, 3_id, Time{});
+    node.apply(input::InputUp{Line::first, 3_id}, Time{});
     second().clear();
   }
   /// For the end of the packet on the second line.
@@ -105,8 +105,8 @@ TEST_F(PacedFoldWithoutRoom, AFullLineIsTakenBackWithoutALoss) {
   Time now{};
   for (int packets = 0; packets < 500; ++packets) {
     for (const Time next = now + packet_time; now < next; now += packet_time / 8) {
-      node.handle_timeout(now);
-      node.run(now);
+      node.apply(input::Timeout{}, now);
+      node.apply(input::Run{}, now);
       node.output(Line::first).clear();
       node.output(Line::second).clear();
     }
@@ -120,10 +120,10 @@ TEST_F(FoldedAtNodeOne, WhatItHoldsIsDroppedWithTheLineItCameFrom) {
   const Bytes packet = Foreign{7, 2}.with(pattern(64));
   node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
   receive_interrupt(Line::first, 1, 2);
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   EXPECT_EQ(node.counters().fold_held_dropped, 1u);
-  node.input_up(Line::first, 3_id, Time{});
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputUp{Line::first, 3_id}, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   EXPECT_EQ(node.counters().fold_held_dropped, 1u) << "nothing is held any more";
 }
 
@@ -143,12 +143,12 @@ TEST_F(FoldedAtNodeOne, WhatWasLeftOpenOnTheSecondLineHoldsNobodyUpTheNextTime) 
   receive_interrupt(Line::first, 1, 2);
   ASSERT_EQ(node.input_line(), Line::second) << "it waits for the packet's end";
   const Time later = Time{} + longest_wait();
-  node.handle_timeout(later);
+  node.apply(input::Timeout{}, later);
   ASSERT_EQ(node.input_line(), Line::first);
   EXPECT_EQ(node.counters().broken_off_packets, 1u);
-  node.input_lost(Line::first, later);
+  node.apply(input::InputLost{Line::first}, later);
   hear(wire::FoldWordKind::begin, 1_id, later);
-  node.input_up(Line::first, 3_id, later);
+  node.apply(input::InputUp{Line::first, 3_id}, later);
   ASSERT_EQ(node.input_line(), Line::second);
   receive_interrupt(Line::first, 2, 2);
   EXPECT_EQ(node.input_line(), Line::first);
@@ -159,11 +159,11 @@ TEST_F(FoldedAtNodeOne, WaitsForThePacketsEndAsLongThoughTheFirstLineWasLostMean
   node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
   receive_interrupt(Line::first, 1, 2);
   const Time later = Time{} + longest_wait();
-  node.input_lost(Line::first, later - Duration{1});
-  node.input_up(Line::first, 3_id, later - Duration{1});
+  node.apply(input::InputLost{Line::first}, later - Duration{1});
+  node.apply(input::InputUp{Line::first, 3_id}, later - Duration{1});
   const Bytes interrupt = foreign_interrupt(1, wire::kBroadcast, 0, 2);
   node.receive(Line::first, {wire::SliceKind::interrupt, {interrupt.data(), interrupt.size()}}, later - Duration{1});
-  node.handle_timeout(later);
+  node.apply(input::Timeout{}, later);
   EXPECT_EQ(node.input_line(), Line::second);
 }
 

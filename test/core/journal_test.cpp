@@ -38,22 +38,22 @@ struct JournalOfNode : testing::Test {
 
 TEST_F(JournalOfNode, IsToldOfEveryCall) {
   const Bytes data = pattern(4);
-  node.input_up(Line::first, 0_id, Time{});
-  node.output_up(Line::first, 0_id, Time{});
+  node.apply(input::InputUp{Line::first, 0_id}, Time{});
+  node.apply(input::OutputUp{Line::first, 0_id}, Time{});
   node.set_output_ready(Line::first, false);
   node.receive(Line::first, {wire::SliceKind::idle, {}}, Time{});
-  node.send(send_of(1, 1, 0_id, data), Time{});
-  node.interrupt({1, 2, 0_id, wire::Factor{1}}, Time{});
-  node.pull(1, 3, 0, Time{});
-  node.cancel(1, Time{});
-  node.cpu_reset(1, Time{});
-  node.set_cpu({}, Time{});
+  node.apply(input::Send{send_of(1, 1, 0_id, data)}, Time{});
+  node.apply(input::Interrupt{{1, 2, 0_id, wire::Factor{1}}}, Time{});
+  node.apply(input::Pull{1, 3, 0}, Time{});
+  node.apply(input::Cancel{1}, Time{});
+  node.apply(input::CpuReset{1}, Time{});
+  node.apply(input::Cpu{{}}, Time{});
   node.set_cpu_present(true);
-  node.handle_timeout(Time{});
-  node.run(Time{});
-  node.input_gap(Line::first, Time{});
-  node.input_lost(Line::first, Time{});
-  node.output_lost(Line::first, Time{});
+  node.apply(input::Timeout{}, Time{});
+  node.apply(input::Run{}, Time{});
+  node.apply(input::InputGap{Line::first}, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
+  node.apply(input::OutputLost{Line::first}, Time{});
   const auto of = [](const Input& input) { return input.index(); };
   EXPECT_THAT(journal.seen,
               ElementsAre(of(input::InputUp{}), of(input::OutputUp{}), of(input::OutputReady{}), of(input::Receive{}),

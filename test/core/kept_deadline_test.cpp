@@ -124,7 +124,9 @@ class AnyInputs {
     report.boots = any(3);
     node_.set_cpu(report, now_);
   }
-  void receive(const Bytes& packet) { node_.receive({wire::SliceKind::whole, {packet.data(), packet.size()}}, now_); }
+  void receive(const Bytes& packet) {
+    node_.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, now_);
+  }
   void come_in() {
     Foreign packet;
     packet.destination = any(2) != 0 ? 1 : 2;

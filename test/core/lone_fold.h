@@ -18,10 +18,10 @@ struct LoneFold : testing::Test {
     return s;
   }
   void SetUp() override {
-    node.input_up(Line::first, 3_id, Time{});
-    node.output_up(Line::first, 5_id, Time{});
-    node.input_up(Line::second, 5_id, Time{});
-    node.output_up(Line::second, 3_id, Time{});
+    node.apply(input::InputUp{Line::first, 3_id}, Time{});
+    node.apply(input::OutputUp{Line::first, 5_id}, Time{});
+    node.apply(input::InputUp{Line::second, 5_id}, Time{});
+    node.apply(input::OutputUp{Line::second, 3_id}, Time{});
     second().clear();
   }
   wire::SliceWriter& second() { return node.output(Line::second); }

@@ -10,7 +10,7 @@ using testing::IsEmpty;
 
 // Its own node would take it off; that one is dead, and bypassed by this one's input.
 TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
-  node.input_up(Line::second, 7_id, Time{});
+  node.apply(input::InputUp{Line::second, 7_id}, Time{});
   hear(wire::FoldWordKind::begin, 6_id);
   EXPECT_TRUE(second().empty());
   receive_interrupt(Line::second, 0, 2);
@@ -20,23 +20,23 @@ TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
 }
 
 TEST_F(LoneFold, SoHasAWordOfTheNextNodeWhereThatIsBypassed) {
-  node.input_up(Line::second, 6_id, Time{});
+  node.apply(input::InputUp{Line::second, 6_id}, Time{});
   hear(wire::FoldWordKind::begin, 5_id);
   EXPECT_TRUE(second().empty());
 }
 
 // Its `last` was lost: what comes on the first line waits no longer than the table of timers says.
 TEST_F(LoneFold, TheFirstLineIsTakenAfterAWhileThoughTheSecondNeverEnds) {
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   hear(wire::FoldWordKind::begin, 3_id);
-  node.input_up(Line::first, 3_id, Time{});
+  node.apply(input::InputUp{Line::first, 3_id}, Time{});
   receive_interrupt(Line::first, 0, 2);
   const Duration longest = std::min(node.settings().stall, node.settings().send_timeout() / 8);
   const Time due = Time{} + longest;
-  node.handle_timeout(due - Duration{1});
+  node.apply(input::Timeout{}, due - Duration{1});
   EXPECT_EQ(node.counters().pins_pulled, 0u);
   second().clear();
-  node.handle_timeout(due);
+  node.apply(input::Timeout{}, due);
   EXPECT_EQ(node.counters().pins_pulled, 1u);
   EXPECT_TRUE(second().empty()) << "no fold is left to tell of";
   EXPECT_EQ(node.input_line(), Line::first);
@@ -53,18 +53,18 @@ TEST_F(LoneFold, WhatFindsNoRoomOnAWholeRingIsDroppedNotHeld) {
 TEST_F(LoneFold, AGapOfTheFirstLineBreaksOffWhatComesInOnIt) {
   const Bytes packet = Foreign{1, 2}.with(pattern(64));
   node.receive(Line::first, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
-  node.input_gap(Line::first, Time{});
+  node.apply(input::InputGap{Line::first}, Time{});
   EXPECT_EQ(node.counters().broken_off_packets, 1u);
 }
 
 TEST_F(LoneFold, ALineThatIsUpAgainIsReadyThoughItWasNotWhenItWasLost) {
   node.set_output_ready(Line::first, false);
-  node.output_lost(Line::first, Time{});
-  node.output_up(Line::first, 5_id, Time{});
-  node.run(Time{});
+  node.apply(input::OutputLost{Line::first}, Time{});
+  node.apply(input::OutputUp{Line::first, 5_id}, Time{});
+  node.apply(input::Run{}, Time{});
   node.output(Line::first).clear();
   receive_interrupt(Line::first, 0, 2);
-  node.run(Time{});
+  node.apply(input::Run{}, Time{});
   EXPECT_FALSE(node.output(Line::first).empty());
 }
 
@@ -73,7 +73,7 @@ TEST_F(LoneFold, AFirstLineThatTakesNothingIsGivenNothingOnceItIsTheOutputAgain)
   const Bytes packet = Foreign{1, 2}.with(pattern(8));
   const auto receive = [&](wire::SliceKind kind, const Bytes& bytes) {
     node.receive(Line::first, {kind, {bytes.data(), bytes.size()}}, Time{});
-    node.run(Time{});
+    node.apply(input::Run{}, Time{});
   };
   hear(wire::FoldWordKind::deaf, 5_id);
   node.set_output_ready(Line::first, false);
@@ -88,11 +88,11 @@ TEST_F(LoneFold, AFirstLineThatTakesNothingIsGivenNothingOnceItIsTheOutputAgain)
 }
 
 TEST_F(LoneFold, TheSecondOutputsLossIsTheOutputsWhileItIsFolded) {
-  node.output_lost(Line::first, Time{});
+  node.apply(input::OutputLost{Line::first}, Time{});
   ASSERT_EQ(node.output_line(), Line::second);
   receive_interrupt(Line::first, 0, 2);
   EXPECT_EQ(node.counters().dropped_no_output, 0u);
-  node.output_lost(Line::second, Time{});
+  node.apply(input::OutputLost{Line::second}, Time{});
   receive_interrupt(Line::first, 1, 2);
   EXPECT_GT(node.counters().dropped_no_output, 0u);
 }
@@ -118,20 +118,20 @@ struct LoneFoldWithoutBeacons : LoneFold {
 };
 
 TEST_F(LoneFoldWithoutBeacons, SaysItsWordsTenTimesASecond) {
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   second().clear();
-  node.handle_timeout(Time{} + 100ms - Duration{1});
+  node.apply(input::Timeout{}, Time{} + 100ms - Duration{1});
   EXPECT_TRUE(second().empty());
-  node.handle_timeout(Time{} + 100ms);
+  node.apply(input::Timeout{}, Time{} + 100ms);
   EXPECT_FALSE(second().empty());
 }
 
 TEST_F(LoneFold, ANodeThatGoesOnFromAStateSaysItsWordsInTime) {
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   second().clear();
   NetworkController other{node.settings(), Time{}};
   read_state(bytes_of(node), other);
-  other.handle_timeout(Time{} + node.settings().beacon);
+  other.apply(input::Timeout{}, Time{} + node.settings().beacon);
   ASSERT_FALSE(other.output(Line::second).empty());
   EXPECT_EQ(wire::fold_word(wire::parse_slice(other.output(Line::second).view()).slice)->kind,
             wire::FoldWordKind::deaf);
@@ -141,9 +141,9 @@ TEST_F(LoneFold, AFoldNodeIsForgottenAfterFiveBeaconPeriodsAndThatIsTold) {
   hear(wire::FoldWordKind::begin, 6_id, Time{});
   second().clear();
   const Time due = Time{} + 5 * node.settings().beacon;
-  node.handle_timeout(due - Duration{1});
+  node.apply(input::Timeout{}, due - Duration{1});
   EXPECT_TRUE(second().empty());
-  node.handle_timeout(due);
+  node.apply(input::Timeout{}, due);
   ASSERT_FALSE(second().empty());
   EXPECT_EQ(wire::fold_word(wire::parse_slice(second().view()).slice)->kind, wire::FoldWordKind::lost);
 }
@@ -152,13 +152,13 @@ TEST_F(LoneFold, AFoldNodeIsForgottenAfterFiveBeaconPeriodsAndThatIsTold) {
 TEST(FoldPermission, ANodeFoldsSoLongAfterItsStartThoughItsFirstLinesWereNeverBothUp) {
   const Settings settings = LoneFold::settings();
   NetworkController node(settings, Time{});
-  node.input_up(Line::first, 3_id, Time{});
-  node.input_up(Line::second, 5_id, Time{});
-  node.output_up(Line::second, 3_id, Time{});
+  node.apply(input::InputUp{Line::first, 3_id}, Time{});
+  node.apply(input::InputUp{Line::second, 5_id}, Time{});
+  node.apply(input::OutputUp{Line::second, 3_id}, Time{});
   const Time due = Time{} + settings.fold_permission;
-  node.handle_timeout(due - Duration{1});
+  node.apply(input::Timeout{}, due - Duration{1});
   EXPECT_EQ(node.output_line(), Line::first);
-  node.handle_timeout(due);
+  node.apply(input::Timeout{}, due);
   EXPECT_EQ(node.output_line(), Line::second);
 }
 
@@ -166,15 +166,15 @@ TEST(FoldPermission, ANodeFoldsSoLongAfterItsStartThoughItsFirstLinesWereNeverBo
 // and for ever where the `hears` was lost (seed 3730033071).
 TEST(FoldPermission, ANodeThatTurnedBackBeforeSaysItsWordsWhenItMayFold) {
   NetworkController node(LoneFold::settings(), Time{});
-  node.output_up(Line::first, 5_id, Time{});
-  node.input_up(Line::second, 5_id, Time{});
-  node.output_up(Line::second, 3_id, Time{});
+  node.apply(input::OutputUp{Line::first, 5_id}, Time{});
+  node.apply(input::InputUp{Line::second, 5_id}, Time{});
+  node.apply(input::OutputUp{Line::second, 3_id}, Time{});
   wire::SliceWriter deaf;
   wire::put(deaf, {wire::FoldWordKind::deaf, 5_id});
   node.receive(Line::second, wire::parse_slice(deaf.view()).slice, Time{});
   ASSERT_EQ(node.output_line(), Line::second);
   for (const Line line : node.lines()) node.output(line).clear();
-  node.input_up(Line::first, 3_id, Time{});
+  node.apply(input::InputUp{Line::first, 3_id}, Time{});
   for (const Line line : node.lines()) {
     ASSERT_FALSE(node.output(line).empty());
     const auto word = wire::fold_word(wire::parse_slice(node.output(line).view()).slice);
@@ -197,7 +197,7 @@ TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
   receive_interrupt(Line::first, 0, 2);
   receive_interrupt(Line::first, 1, 2);
   EXPECT_EQ(node.counters().pins_pulled, 2u);
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   receive_interrupt(Line::second, 0, 5);
   EXPECT_EQ(node.counters().pins_pulled, 2u);
   EXPECT_EQ(node.counters().orphans_cut_off, 1u);
@@ -213,21 +213,21 @@ TEST_F(LoneFold, WhatBreaksOffOnTheSecondLineIsAbortedThereOnce) {
   };
   hear(wire::FoldWordKind::begin, 6_id);
   second().clear();
-  node.input_gap(Line::second, Time{});
+  node.apply(input::InputGap{Line::second}, Time{});
   EXPECT_THAT(kinds(), IsEmpty()) << "nothing was under way";
   const std::array<std::uint8_t, wire::kHeaderSize> header{0, wire::kSop, 0, 1};
   node.receive(Line::second, {wire::SliceKind::start, {header.data(), header.size()}}, Time{});
-  node.input_gap(Line::second, Time{});
+  node.apply(input::InputGap{Line::second}, Time{});
   EXPECT_THAT(kinds(), ElementsAre(wire::SliceKind::start, wire::SliceKind::abort));
-  node.input_gap(Line::second, Time{});
+  node.apply(input::InputGap{Line::second}, Time{});
   EXPECT_THAT(kinds(), IsEmpty());
 }
 
 TEST_F(LoneFold, ANewNodeBehindTheFirstLineIsNotDeafBecauseTheLastOneWas) {
   hear(wire::FoldWordKind::deaf, 5_id);
   ASSERT_EQ(node.output_line(), Line::second);
-  node.output_lost(Line::first, Time{});
-  node.output_up(Line::first, 6_id, Time{});
+  node.apply(input::OutputLost{Line::first}, Time{});
+  node.apply(input::OutputUp{Line::first, 6_id}, Time{});
   EXPECT_EQ(node.output_line(), Line::first);
 }
 
@@ -240,8 +240,8 @@ TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) 
   Time now{};
   for (int deadlines = 0; deadlines < 20 && node.output(Line::first).empty(); ++deadlines) {
     now = std::max(now, node.next_deadline(now));
-    node.handle_timeout(now);
-    node.run(now);
+    node.apply(input::Timeout{}, now);
+    node.apply(input::Run{}, now);
     Event event;
     while (node.take_event(now, event)) {
     }
@@ -299,9 +299,9 @@ TEST_F(LoneFold, TheSliceThatReachesTheLimitIsRepeatedAndTheNextIsNot) {
 
 // The fold node is the one before, which has the word that it sends on the first line again still on its way.
 TEST_F(LoneFold, WhatIsHeldWhileTheSecondLineDrainsHasALimit) {
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   hear(wire::FoldWordKind::begin, 3_id);
-  node.input_up(Line::first, 3_id, Time{});
+  node.apply(input::InputUp{Line::first, 3_id}, Time{});
   const std::vector<std::uint8_t> bytes(512, 0x55);
   const wire::Slice slice{wire::SliceKind::more, {bytes.data(), bytes.size()}};
   for (int i = 0; i < 129; ++i) node.receive(Line::first, slice, Time{});  // the last one finds 64 KiB
@@ -311,9 +311,9 @@ TEST_F(LoneFold, WhatIsHeldWhileTheSecondLineDrainsHasALimit) {
 }
 
 TEST_F(LoneFold, WhatIsHeldIsPartOfTheState) {
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   hear(wire::FoldWordKind::begin, 3_id);
-  node.input_up(Line::first, 3_id, Time{});
+  node.apply(input::InputUp{Line::first, 3_id}, Time{});
   receive_interrupt(Line::first, 0, 2);
   NetworkController same{settings(), Time{}};
   read_state(bytes_of(node), same);
@@ -323,7 +323,7 @@ TEST_F(LoneFold, WhatIsHeldIsPartOfTheState) {
   for (NetworkController* each : {&node, &same}) {
     const auto before = each->counters().relayed_interrupts;
     each->receive(Line::second, wire::parse_slice(last.view()).slice, Time{});
-    each->run(Time{});
+    each->apply(input::Run{}, Time{});
     passed_on.push_back(each->counters().relayed_interrupts - before);
   }
   EXPECT_THAT(passed_on, ElementsAre(1u, 1u)) << "not before the second line's last";

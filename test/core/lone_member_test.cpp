@@ -143,10 +143,10 @@ TEST(Hello, ThatCannotGetOntoTheLineIsGivenUpInTime) {
 // Its input was lost before its output was there.
 TEST(Hello, GoesIntoAnOpenChainFromANodeThatNeverHadBothLines) {
   NetworkController node(SoloNode::settings({}, [](Settings&) {}), Time{});
-  node.input_up(Line::first, 0_id, Time{});
-  node.input_lost(Line::first, Time{});
-  node.output_up(Line::first, 2_id, Time{});
-  node.handle_timeout(Time{} + node.settings().break_grace);
+  node.apply(input::InputUp{Line::first, 0_id}, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
+  node.apply(input::OutputUp{Line::first, 2_id}, Time{});
+  node.apply(input::Timeout{}, Time{} + node.settings().break_grace);
   EXPECT_EQ(node.membership().state(), NodeState::open_chain);
   EXPECT_EQ(node.counters().hellos, 1u);
 }

@@ -134,7 +134,7 @@ TEST_F(Membership16, HelloThatIsLostIsSaidAgain) {
 TEST_F(Membership16, BeaconsCarryTheCpuToAllOthersAtOnce) {
   ASSERT_TRUE(ring.join());
   ring.run_for(10ms);
-  ring.node(5_id).set_cpu({3, wire::CpuState::running, true, ring.now(), false, {}}, ring.now());
+  ring.node(5_id).apply(input::Cpu{{3, wire::CpuState::running, true, ring.now(), false, {}}}, ring.now());
   ring.run_for(20us);
   for (NodeId id{0}; id < 16; ++id) {
     if (id == 5) continue;
@@ -150,7 +150,7 @@ TEST_F(Membership16, BeaconsCarryTheCpuToAllOthersAtOnce) {
 
 TEST_F(Membership16, BeaconsSayHowLongTheCpuHasBeenSilent) {
   ASSERT_TRUE(ring.join());
-  ring.node(5_id).set_cpu({1, wire::CpuState::running, true, ring.now(), false, {}}, ring.now());
+  ring.node(5_id).apply(input::Cpu{{1, wire::CpuState::running, true, ring.now(), false, {}}}, ring.now());
   ring.run_for(1s);
   EXPECT_NEAR(ring.node(0_id).membership().peers()[5_id].beacon.cpu_silent_ms, 950, 60);
 }
@@ -218,7 +218,7 @@ TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {
   const auto before = news();
   ring.run_for(500ms);
   EXPECT_EQ(news(), before);
-  ring.node(5_id).set_cpu({2, wire::CpuState::booting, true, ring.now(), false, {}}, ring.now());
+  ring.node(5_id).apply(input::Cpu{{2, wire::CpuState::booting, true, ring.now(), false, {}}}, ring.now());
   ring.run_for(200ms);
   EXPECT_EQ(news(), before + 1);
 }
@@ -231,7 +231,8 @@ TEST_F(Membership16, BeaconWaitingForTheLineDoesNotGoAheadOfANewHello) {
   for (int i = 0; i < 5; ++i) outcome_of(ring, 0_id, ring.send(0_id, 9_id, text("a")));
   ring.send(0_id, 9_id, text("the sixth"));
   ring.run_for(2us);
-  ring.node(0_id).set_cpu({9, wire::CpuState::running, true, ring.now(), false, {}}, ring.now());  // a beacon waits
+  ring.node(0_id).apply(input::Cpu{{9, wire::CpuState::running, true, ring.now(), false, {}}},
+                        ring.now());  // a beacon waits
   std::vector<Bytes> sent;
   ring.tap(0_id, [&](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
     const wire::PacketFields packet{slice.bytes};

@@ -189,7 +189,7 @@ TEST_F(OpenChain, NodeBehindTheBreakMayRestart) {
 
 TEST_F(OpenChain, NodeBeforeABreakThatSeesItIsInTheChainToo) {
   cut();
-  ring.node(2_id).output_lost(Line::first, ring.now());
+  ring.node(2_id).apply(input::OutputLost{Line::first}, ring.now());
   ring.run_for(300ms);
   EXPECT_EQ(membership(2_id).state(), NodeState::open_chain);
   EXPECT_EQ(outcome_of(ring, 2_id, ring.send(2_id, 4_id, text("a"))).reject, Reject::no_way_out);
@@ -198,11 +198,11 @@ TEST_F(OpenChain, NodeBeforeABreakThatSeesItIsInTheChainToo) {
 // The output is back, the input is not: what is lost is not this node's place but the line to it.
 TEST_F(OpenChain, NodeThatLostBothLinksAndGotOneBackIsInTheChain) {
   ring.cut(2_id);
-  ring.node(3_id).output_lost(Line::first, ring.now());
+  ring.node(3_id).apply(input::OutputLost{Line::first}, ring.now());
   ASSERT_EQ(membership(3_id).state(), NodeState::starting);
   ring.run_for(1s);
   EXPECT_EQ(membership(3_id).state(), NodeState::starting) << "no break is known while no line is there";
-  ring.node(3_id).output_up(Line::first, 4_id, ring.now());
+  ring.node(3_id).apply(input::OutputUp{Line::first, 4_id}, ring.now());
   ring.run_for(300ms);
   EXPECT_EQ(membership(3_id).state(), NodeState::open_chain);
   EXPECT_EQ(outcome_of(ring, 3_id, ring.send(3_id, 5_id, text("a"))).outcome, Outcome::unconfirmed);

@@ -142,7 +142,7 @@ TEST_F(BehindARefusal, ARoundTripBeginsWhenThePacketLeaves) {
 
 TEST_F(BehindARefusal, ARoundTripBeginsWhenThePacketLeavesAfterACancelToo) {
   const Bytes data = text("of another owner");
-  ring.node(0_id).send(send_of(2, 77, 2_id, data), ring.now());
+  ring.node(0_id).apply(input::Send{send_of(2, 77, 2_id, data)}, ring.now());
   ring.run_for(1ms);
   ring.cancel(0_id);
   EXPECT_EQ(outcome_of(ring, 0_id, refused).outcome, Outcome::cancelled);
@@ -204,10 +204,10 @@ TEST(RefusalAlone, IsOfANodeWhoseCpuWasNeverThere) {
   node.run(Time{});
   const wire::ByteView hello = wire::parse_slice(node.line().view()).slice.bytes;
   const Bytes home = SoloNode::home({hello.begin(), hello.end()}, wire::kFbcMax);
-  node.receive({wire::SliceKind::whole, {home.data(), home.size()}}, Time{});
+  node.receive(Line::first, {wire::SliceKind::whole, {home.data(), home.size()}}, Time{});
   ASSERT_EQ(node.membership().state(), NodeState::up);
   const Bytes packet = Foreign{0, 1}.with(text("x"));
-  node.receive({wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
   EXPECT_EQ(node.counters().refused_cpu_absent, 1u);
 }
 

@@ -22,12 +22,12 @@ struct RingInParts : LoneFold {
   }
   void receive(Line line, SliceKind kind, const Bytes& bytes) {
     node.receive(line, {kind, {bytes.data(), bytes.size()}}, Time{});
-    node.run(Time{});
+    node.apply(input::Run{}, Time{});
   }
   void lose_first_line() {
-    node.input_lost(Line::first, Time{});
-    node.output_lost(Line::first, Time{});
-    node.run(Time{});
+    node.apply(input::InputLost{Line::first}, Time{});
+    node.apply(input::OutputLost{Line::first}, Time{});
+    node.apply(input::Run{}, Time{});
   }
 };
 
@@ -78,8 +78,8 @@ TEST_F(RingInParts, AnOwnPacketThatHasPassedNoRelayIsNotRepeated) {
 TEST_F(RingInParts, WhatWasTakenShortlyBeforeTheNodeStartedOverPullsNoPinAgain) {
   receive_interrupt(Line::first, 0, 2);
   lose_first_line();
-  node.input_up(Line::first, 3_id, Time{});
-  node.output_up(Line::first, 5_id, Time{});
+  node.apply(input::InputUp{Line::first, 3_id}, Time{});
+  node.apply(input::OutputUp{Line::first, 5_id}, Time{});
   receive_interrupt(Line::first, 0, 2);
   EXPECT_EQ(node.counters().pins_pulled, 1u);
   EXPECT_EQ(node.counters().doubtful_retries, 1u);
@@ -102,7 +102,7 @@ TEST_F(RingInParts, ADatpThatIsSentBackIsAbortedWhenTheInputIsLost) {
   hear(FoldWordKind::deaf, 5_id);
   receive(Line::first, SliceKind::start, head_of(kPacket));
   node.output(Line::second).clear();
-  node.input_lost(Line::first, Time{});
+  node.apply(input::InputLost{Line::first}, Time{});
   EXPECT_THAT(kinds(Line::second), Contains(SliceKind::abort));
 }
 
@@ -117,8 +117,8 @@ TEST_F(RingInParts, ADatpThatTheNodeStopsRepeatingIsAborted) {
 TEST_F(RingInParts, TheEndOfADatpIsNotRepeatedOntoALinkThatItDidNotBeginOn) {
   hear(FoldWordKind::begin, 6_id);
   receive(Line::second, SliceKind::start, head_of(kPacket));
-  node.output_lost(Line::second, Time{});
-  node.output_up(Line::second, 3_id, Time{});
+  node.apply(input::OutputLost{Line::second}, Time{});
+  node.apply(input::OutputUp{Line::second, 3_id}, Time{});
   receive(Line::second, SliceKind::end, tail_of(kPacket));
   EXPECT_THAT(kinds(Line::second), Not(Contains(SliceKind::end)));
 }
@@ -171,7 +171,7 @@ class DisturbedNode {
       case 3:
         return send();
       case 4:
-        if (input(line).up) node_.input_gap(line, now_);
+        if (input(line).up) node_.apply(input::InputGap{line}, now_);
         return turn();
       default:
         return bring(line);
@@ -205,18 +205,18 @@ class DisturbedNode {
     Input& in = input(line);
     in.rest.clear();
     if (std::exchange(in.up, !in.up))
-      node_.input_lost(line, now_);
+      node_.apply(input::InputLost{line}, now_);
     else
-      node_.input_up(line, before(line), now_);
+      node_.apply(input::InputUp{line, before(line)}, now_);
     turn();
   }
   void change_output(Line line) {
     bool& up = output_up_[static_cast<std::size_t>(line)];
     grammars_[static_cast<std::size_t>(line)].begin_link();
     if (std::exchange(up, !up))
-      node_.output_lost(line, now_);
+      node_.apply(input::OutputLost{line}, now_);
     else
-      node_.output_up(line, next(line), now_);
+      node_.apply(input::OutputUp{line, next(line)}, now_);
     turn();
   }
   void say_word(Line line) {
@@ -231,7 +231,7 @@ class DisturbedNode {
   }
   void send() {
     const Bytes data = pattern(1 + below(64));
-    node_.send(send_of(1, ++token_, static_cast<NodeId>(1 + below(7)), data), now_);
+    node_.apply(input::Send{send_of(1, ++token_, static_cast<NodeId>(1 + below(7)), data)}, now_);
     turn();
   }
   void abort(Line line) {
@@ -269,8 +269,8 @@ class DisturbedNode {
   }
   void turn() {
     now_ += 1ns * below(below(20) == 0 ? 200'000 : 600);
-    node_.handle_timeout(now_);
-    node_.run(now_);
+    node_.apply(input::Timeout{}, now_);
+    node_.apply(input::Run{}, now_);
     Event event;
     while (node_.take_event(now_, event)) {
     }

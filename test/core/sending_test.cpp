@@ -135,7 +135,7 @@ TEST_F(Sending, CancelledEndsAtOnceAndIsNotRepeated) {
   const auto out = ring.send(0_id, 1_id, text("out"));
   const auto queued = ring.send(0_id, 1_id, text("queued"));
   ring.run_for(10us);
-  ring.node(0_id).cancel(sim::VirtualRing::kUser, ring.now());
+  ring.node(0_id).apply(input::Cancel{sim::VirtualRing::kUser}, ring.now());
   EXPECT_EQ(outcome_of(ring, 0_id, out).outcome, Outcome::cancelled);
   EXPECT_EQ(outcome_of(ring, 0_id, queued).outcome, Outcome::cancelled);
   ring.run_for(1s);
@@ -147,7 +147,7 @@ TEST_F(Sending, CancelledEndsAtOnceAndIsNotRepeated) {
 TEST_F(Sending, CpuResetCancelsItsSendsAndEmptiesItsBuffers) {
   ring.set_cpu_reads(0_id, false);
   send(3_id, 0_id, text("stale command"));
-  ring.node(0_id).send(send_of(7, 99, 1_id, text("t")), ring.now());
+  ring.node(0_id).apply(input::Send{send_of(7, 99, 1_id, text("t"))}, ring.now());
   const auto own = ring.send(0_id, 1_id, text("own"));
   ring.reset_cpu(0_id);
   EXPECT_EQ(outcome_of(ring, 0_id, own).outcome, Outcome::cancelled);

@@ -43,12 +43,12 @@ class SoloNode {
   Time now() const { return now_; }
 
   void receive(wire::SliceKind kind, const Bytes& bytes) {
-    node_.receive({kind, {bytes.data(), bytes.size()}}, now_);
+    node_.receive(Line::first, {kind, {bytes.data(), bytes.size()}}, now_);
     run();
   }
   /// The same before the end of the event loop's turn: more may come in at this instant.
   void give(wire::SliceKind kind, const Bytes& bytes) {
-    node_.receive({kind, {bytes.data(), bytes.size()}}, now_);
+    node_.receive(Line::first, {kind, {bytes.data(), bytes.size()}}, now_);
     collect();
   }
   void run() {

@@ -21,8 +21,8 @@ core::Settings settings_from(fuzz::Input& input) {
 
 /// As whoever drives it does, behind every input.
 void drive(core::NetworkController& node, Time now) {
-  if (node.next_deadline(now) <= now) node.handle_timeout(now);
-  node.run(now);
+  if (node.next_deadline(now) <= now) node.apply(core::input::Timeout{}, now);
+  node.apply(core::input::Run{}, now);
   core::Event event;
   core::ReceivedPacket packet;
   unsigned given_out = 0;
@@ -43,21 +43,21 @@ Time step(core::NetworkController& node, fuzz::Input& input, Time now) {
   const wire::NodeId neighbour{static_cast<std::uint8_t>(what & 0x40 ? 1 : 3)};
   switch (what & 0x0F) {
     case 0:
-      node.input_lost(line, now);
+      node.apply(core::input::InputLost{line}, now);
       return now;
     case 1:
-      node.input_lost(line, now);
-      node.input_up(line, neighbour, now);
+      node.apply(core::input::InputLost{line}, now);
+      node.apply(core::input::InputUp{line, neighbour}, now);
       return now;
     case 2:
-      node.output_lost(line, now);
+      node.apply(core::input::OutputLost{line}, now);
       return now;
     case 3:
-      node.output_lost(line, now);
-      node.output_up(line, neighbour, now);
+      node.apply(core::input::OutputLost{line}, now);
+      node.apply(core::input::OutputUp{line, neighbour}, now);
       return now;
     case 4:
-      node.input_gap(line, now);
+      node.apply(core::input::InputGap{line}, now);
       return now;
     case 5:
       return now + std::chrono::microseconds(input.byte());
@@ -69,11 +69,11 @@ Time step(core::NetworkController& node, fuzz::Input& input, Time now) {
       request.destination = wire::NodeId{input.byte()};
       request.priority = wire::Priority{input.byte()};
       request.data = input.bytes(input.byte());
-      node.send(request, now);
+      node.apply(core::input::Send{request}, now);
       return now;
     }
     case 8:
-      node.interrupt({1, 1, wire::NodeId{input.byte()}, wire::Factor{input.byte()}}, now);
+      node.apply(core::input::Interrupt{{1, 1, wire::NodeId{input.byte()}, wire::Factor{input.byte()}}}, now);
       return now;
     case 9:
       node.set_output_ready(line, (what & 0x40) != 0);
@@ -82,7 +82,7 @@ Time step(core::NetworkController& node, fuzz::Input& input, Time now) {
       node.set_cpu_present((what & 0x40) != 0);
       return now;
     case 11:
-      node.cpu_reset(1, now);
+      node.apply(core::input::CpuReset{1}, now);
       return now;
     default: {
       const auto kind = static_cast<wire::SliceKind>(1 + input.byte() % 8);
@@ -105,8 +105,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Time now{};
   core::NetworkController node(settings, now);
   for (const Line line : node.lines()) {
-    node.input_up(line, line == Line::first ? wire::NodeId{1} : wire::NodeId{3}, now);
-    node.output_up(line, line == Line::first ? wire::NodeId{3} : wire::NodeId{1}, now);
+    node.apply(core::input::InputUp{line, line == Line::first ? wire::NodeId{1} : wire::NodeId{3}}, now);
+    node.apply(core::input::OutputUp{line, line == Line::first ? wire::NodeId{3} : wire::NodeId{1}}, now);
   }
   while (!input.empty()) {
     now = step(node, input, now);

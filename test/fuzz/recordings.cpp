@@ -34,15 +34,15 @@ Bytes recorded(bool fold_back) {
   title.settings = settings;
   recorder::FlightRecorder recorder(node, bytes, recorder::FlightRecorder::kLeast, title, now, [] {});
   for (const Line line : node.lines()) {
-    node.input_up(line, wire::NodeId{0}, now);
-    node.output_up(line, wire::NodeId{2}, now);
+    node.apply(core::input::InputUp{line, wire::NodeId{0}}, now);
+    node.apply(core::input::OutputUp{line, wire::NodeId{2}}, now);
   }
   core::SendRequest request;
   request.owner = 1;
   const std::uint8_t data[] = {1, 2, 3, 4};
   request.data = {data, sizeof data};
-  node.send(request, now);
-  node.run(now);
+  node.apply(core::input::Send{request}, now);
+  node.apply(core::input::Run{}, now);
   return recorder::save({bytes, recorder::FlightRecorder::kLeast});
 }
 

@@ -49,12 +49,12 @@ TEST(Replay, whatPassedBeforeAStateIsNotInALaterOne) {
   packet.data = {&data, 1};
   const std::vector<std::uint8_t> bytes = encoded(packet);
   core::NetworkController node(three(), core::Time{});
-  node.input_up(core::Line::first, wire::NodeId{0}, before);
-  node.output_up(core::Line::first, wire::NodeId{2}, before);
+  node.apply(core::input::InputUp{core::Line::first, wire::NodeId{0}}, before);
+  node.apply(core::input::OutputUp{core::Line::first, wire::NodeId{2}}, before);
   node.set_output_ready(core::Line::first, false);
   node.receive(core::Line::first, {wire::SliceKind::whole, {bytes.data(), bytes.size()}}, before);
   node.set_output_ready(core::Line::first, true);
-  node.run(before);
+  node.apply(core::input::Run{}, before);
   node.output(core::Line::first).clear();
 
   const std::vector<std::uint8_t> state = bytes_of(node);

@@ -67,7 +67,7 @@ void odd_calls(std::uint64_t seed, Tally& tally) {
     report.spoke_at = ring.now();
     switch (below(8)) {
       case 0:
-        ring.node(id).set_cpu(report, ring.now());
+        ring.node(id).apply(core::input::Cpu{report}, ring.now());
         break;
       case 1:
         ring.set_cpu_present(id, below(2) == 0);

@@ -126,6 +126,10 @@ class FoldBack {
   void settle(Time now);
   void permit_folding(Time now);
   void tell_neighbours();
+  /// Lets a slice in to the blocks.
+  void enter(const wire::Slice& slice, Time now) {
+    blocks_.receive(hears_second() ? Line::second : Line::first, slice, now);
+  }
 
   /// @name Input half (fold_input.cpp)
   ///@{

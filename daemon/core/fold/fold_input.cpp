@@ -85,7 +85,7 @@ void FoldBack::leave_first_line(Time now) {
 
 void FoldBack::receive_first(const Slice& slice, Time now) {
   if (const auto word = wire::fold_word(slice); word && word->kind == FoldWordKind::begin) return answer(*word);
-  if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return blocks_.enter(slice, now);
+  if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return enter(slice, now);
   first_spoke_ = true;
   if (slice.kind != SliceKind::fold) hold(slice, now);
   drain_if_settled(now);
@@ -112,7 +112,7 @@ void FoldBack::release(Time now) {
     const Slice slice = held_.front();
     const bool begins = slice.kind == SliceKind::start || slice.kind == SliceKind::whole;
     if (begins && !blocks_.has_room()) return;
-    blocks_.enter(slice, now);
+    enter(slice, now);
   }
 }
 

@@ -28,7 +28,7 @@ void FoldBack::receive_second(const Slice& slice, Time now) {
   }
   coming_second_.see(slice);
   if (!takes) return repeat(slice);
-  blocks_.enter(slice, now);
+  enter(slice, now);
   drain_if_settled(now);
 }
 
