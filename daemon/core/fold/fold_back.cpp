@@ -9,8 +9,9 @@ FoldBack::FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& 
       second_(second),
       from_(neighbour(blocks.settings().order.size() - 1)),
       to_(neighbour(1)),
-      second_from_(to_),
-      may_fold_at_(now + blocks.settings().fold_permission) {}
+      second_from_(to_) {
+  timers_.start(Timer::permission, now + blocks.settings().fold_permission);
+}
 
 // ---- the lines ------------------------------------------------------------------------------
 
@@ -81,7 +82,7 @@ void FoldBack::settle(Time now) {
 // A half may be folded already: the next node can be deaf before.
 void FoldBack::permit_folding(Time now) {
   may_fold_ = true;
-  may_fold_at_ = kNever;
+  timers_.stop(Timer::permission);
   say_words(now);
 }
 
@@ -91,14 +92,14 @@ void FoldBack::tell_neighbours() { blocks_.set_neighbours(from_, to_, out_ == Ou
 // Words can be lost with the link, so a node that has folded repeats them.
 void FoldBack::say_words(Time now) {
   using wire::FoldWordKind;
-  repeat_words_at_ = kNever;
+  timers_.stop(Timer::words);
   if (!may_fold_) return;
   if (in_ == In::second) say(FoldWordKind::deaf, id());
   if (in_ == In::draining) say(FoldWordKind::hears, id());
   if (out_ != Out::first) say(FoldWordKind::begin, id());
   if (next_is_deaf_ && output_up_) wire::put(first_, {FoldWordKind::begin, id()});
   if (in_ == In::first && out_ == Out::first) return;
-  repeat_words_at_ = now + repeat_period();
+  timers_.start(Timer::words, now + repeat_period());
 }
 
 Duration FoldBack::repeat_period() const {
@@ -107,15 +108,15 @@ Duration FoldBack::repeat_period() const {
 }
 
 void FoldBack::handle_timeout(Time now) {
-  if (may_fold_at_ <= now) permit_folding(now);
-  if (repeat_words_at_ <= now) say_words(now);
-  if (drain_due_ <= now) {
+  if (timers_.due(Timer::permission, now)) permit_folding(now);
+  if (timers_.due(Timer::words, now)) say_words(now);
+  if (timers_.due(Timer::drain, now)) {
     if (waits_for_last())
       forget_fold_node(now);
     else
       on(InInput::through, now);
   }
-  if (fold_node_due_ <= now) lose_second_input(now);
+  if (timers_.due(Timer::fold_node, now)) lose_second_input(now);
 }
 
 }  // namespace limb_ring::core

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <algorithm>
 #include <optional>
 
 #include "core/blocks.h"
 #include "core/fold/held_slices.h"
 #include "core/line.h"
 #include "core/state_table.h"
+#include "core/timers.h"
 #include "wire/slice.h"
 
 namespace limb_ring::core {
@@ -83,20 +83,17 @@ class FoldBack {
   /// What came in on the first line waits until the second has drained.
   bool holds_slices() const { return !held_.empty(); }
 
-  Time deadline() const {
-    return std::min(std::min(may_fold_at_, repeat_words_at_), std::min(drain_due_, fold_node_due_));
-  }
+  Time deadline() const { return timers_.next(); }
 
   /// archive.h
   template <class Archive>
   void archive(Archive& a) {
     a("input_up", input_up_)("output_up", output_up_)("from", from_)("to", to_)("second_from", second_from_);
     a("second_output_up", second_output_up_)("in", in_)("held", held_)("first_spoke", first_spoke_);
-    a("told_input", told_input_)("drain_due", drain_due_)("out", out_)("next_is_deaf", next_is_deaf_);
-    a("told_output", told_output_)("fold_node", fold_node_)("fold_node_due", fold_node_due_);
+    a("told_input", told_input_)("out", out_)("next_is_deaf", next_is_deaf_);
+    a("told_output", told_output_)("fold_node", fold_node_);
     a("coming_second", coming_second_)("repeated", repeated_)("given_out", given_out_);
-    a("may_fold", may_fold_)("may_fold_at", may_fold_at_);
-    a("repeat_words_at", repeat_words_at_);
+    a("may_fold", may_fold_)("timers", timers_);
   }
 
  private:
@@ -198,21 +195,26 @@ class FoldBack {
   HeldSlices held_;
   bool first_spoke_ = false;  ///< the upstream neighbour has sent on the first line: no longer on the second
   bool told_input_ = false;   ///< the blocks were told that their input is up
-  Time drain_due_ = kNever;
 
   Out out_ = Out::first;
   bool next_is_deaf_ = false;  ///< the next node hears nothing of us on the first line
   bool told_output_ = false;   ///< the blocks were told that their output is up
 
   std::optional<NodeId> fold_node_;  ///< the node that has turned back what comes in on the second line
-  Time fold_node_due_ = kNever;      ///< it is forgotten then, unless it is announced again
   OpenPacket coming_second_;         ///< the DATP that is coming in on the second line
   OpenPacket repeated_;              ///< the one that this node is repeating
   OpenPacket given_out_;             ///< the one that the blocks are sending
 
-  bool may_fold_ = false;  ///< both first lines have been up, or fold_permission has passed since the start
-  Time may_fold_at_ = kNever;
-  Time repeat_words_at_ = kNever;
+  bool may_fold_ = false;  ///< both first lines have been up, or the permission timer has ended
+
+  enum class Timer : std::uint8_t {
+    permission,  ///< it may fold then, even if a first line has never been up
+    words,       ///< its fold words are said again
+    drain,       ///< what is still on the second line is given up
+    fold_node,   ///< it is forgotten, unless it is announced again
+    count
+  };
+  Timers<Timer> timers_;
 };
 
 }  // namespace limb_ring::core

@@ -56,11 +56,12 @@ void FoldBack::drain_or_take(Time now) {
 void FoldBack::drain_if_settled(Time now) {
   if (in_ != In::draining || !first_spoke_) return;
   if (!waits_for_last() && !coming_second_.is_open()) return on(InInput::through, now);
-  if (drain_due_ == kNever) drain_due_ = now + std::min(settings().stall, settings().send_timeout() / kHoldShare);
+  if (!timers_.runs(Timer::drain))
+    timers_.start(Timer::drain, now + std::min(settings().stall, settings().send_timeout() / kHoldShare));
 }
 
 void FoldBack::leave_second_line(Time now) {
-  drain_due_ = kNever;
+  timers_.stop(Timer::drain);
   if (coming_second_.is_open()) blocks_.input_gap(now);
   coming_second_.close();
 }
@@ -75,7 +76,7 @@ void FoldBack::take_first_line(Time) {
 
 void FoldBack::leave_first_line(Time now) {
   drop_held();
-  drain_due_ = kNever;
+  timers_.stop(Timer::drain);
   if (in_ != In::first) return;
   blocks_.input_gap(now);
   ++counters_.folds;

@@ -85,13 +85,14 @@ void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {
   if (word.node == id() || has_come_round(word)) return end_what_has_come_round(word, now);
   // The upstream neighbour still sends back, although this node hears the first line: a `hears` was lost.
   if (word.kind == FoldWordKind::begin && word.node == from_ && in_ == In::first) say(FoldWordKind::hears, id());
-  const bool said_just_now = word.kind == FoldWordKind::begin && fold_node_ == word.node &&
-                             fold_node_due_ - now > wire::kMissedBeacons * repeat_period() - repeat_period() / 2;
+  const bool said_just_now =
+      word.kind == FoldWordKind::begin && fold_node_ == word.node &&
+      timers_[Timer::fold_node] - now > wire::kMissedBeacons * repeat_period() - repeat_period() / 2;
   if (said_just_now) return;  // it has come round: no node is behind a break
   if (repeats()) second_.put(slice.kind, slice.bytes);
   if (word.kind == FoldWordKind::begin) {
     fold_node_ = word.node;
-    fold_node_due_ = now + wire::kMissedBeacons * repeat_period();
+    timers_.start(Timer::fold_node, now + wire::kMissedBeacons * repeat_period());
     return;
   }
   if (word.kind == FoldWordKind::last && fold_node_ != word.node) return;
@@ -109,7 +110,7 @@ void FoldBack::end_what_has_come_round(FoldWord word, Time now) {
 
 void FoldBack::forget_fold_node(Time now) {
   fold_node_.reset();
-  fold_node_due_ = kNever;
+  timers_.stop(Timer::fold_node);
   on(InInput::through, now);
 }
 

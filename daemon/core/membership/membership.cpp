@@ -90,7 +90,7 @@ void Membership::enter(NodeState state, Time now) {
 
 NodeState Membership::closed_state() const {
   if (ring_size_ == 1) return NodeState::alone;
-  return folded_ ? NodeState::folded : NodeState::up;
+  return fold_.known ? NodeState::folded : NodeState::up;
 }
 
 // ---- the node's lines ---------------------------------------------------------------------
@@ -100,7 +100,7 @@ void Membership::input_up(NodeId from, bool folded, Time now) {
   if (input_.up()) input_lost(now);
   input_.state = wire::LinkState::up;
   input_.neighbour = from;
-  break_due_ = kNever;
+  timers_.stop(Timer::own_break);
   break_.own_mended();
   set_folded(folded, output_.folded, now);
   lines_changed(now);
@@ -153,10 +153,10 @@ void Membership::begin_incarnation(Time now) {
   transmit_.set_open_chain(false, now);
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
-  joined_ = hello_out_ = renumbering_ = merged_ = false;
-  known_to_all_from_ = hello_due_ = kNever;
+  joined_ = hello_.out = hello_.renumbering = merged_ = false;
+  known_to_all_from_ = kNever;
   beacon_.out = false;
-  beacon_.due = break_due_ = drained_at_ = kNever;
+  timers_.stop_all();
   break_.forget();
   next_boot();
 }
@@ -171,14 +171,14 @@ void Membership::next_boot() {
 // ---- hello --------------------------------------------------------------------------------
 
 void Membership::say_hello(Time now) {
-  if (hello_out_) transmit_.restart(now);
-  hello_out_ = true;
-  hello_said_ = now;
-  hello_due_ = kNever;
+  if (hello_.out) transmit_.restart(now);
+  hello_.out = true;
+  hello_.said = now;
+  timers_.stop(Timer::hello);
   ++counters_.hellos;
   transmit_.set_gate(Gate::control, now);
   std::array<std::uint8_t, wire::kHelloSize> bytes;
-  wire::encode(wire::Hello{boot_, renumbering_}, bytes.data());
+  wire::encode(wire::Hello{boot_, hello_.renumbering}, bytes.data());
   transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kHelloToken, now);
 }
 
@@ -187,24 +187,24 @@ void Membership::say_hello_if_lines_up(Time now) {
 }
 
 void Membership::hello_ended(const SendEnded& ended, Time now) {
-  hello_out_ = false;
+  hello_.out = false;
   // A repeated one that nobody has taken ends lost, but it has come home. (ours, protocol.md section 4.8)
   const bool home = ended.outcome == Outcome::delivered || ended.outcome == Outcome::no_such_node ||
                     ended.outcome == Outcome::refused || ended.round_trip != Duration{0};
   if (home || state_ == NodeState::open_chain) return on(Input::hello_home, now);
-  hello_due_ = hello_said_ + settings_.send_timeout();
-  if (hello_due_ <= now) hello_lost(now);
+  timers_.start(Timer::hello, hello_.said + settings_.send_timeout());
+  if (timers_.due(Timer::hello, now)) hello_lost(now);
 }
 
 // Where a line damages every packet, a hello is lost within a lap. Said again at once, those of all nodes would take
 // the whole ring, and INTPs would wait among them. (ours, protocol.md section 8.1)
 void Membership::hello_lost(Time now) {
-  hello_due_ = kNever;
+  timers_.stop(Timer::hello);
   on(lines_up() ? Input::hello_lost : Input::hello_lost_no_line, now);
 }
 
 void Membership::join(Time now) {
-  renumbering_ = false;
+  hello_.renumbering = false;
   joined_ = true;
   transmit_.set_gate(Gate::open, now);
 }
@@ -212,11 +212,11 @@ void Membership::join(Time now) {
 // Begins new sequence numbers: once nothing is outstanding, a hello tells everyone to forget the old ones. (ours,
 // protocol.md section 4.7)
 void Membership::renumber(Time now) {
-  if (!renumbering_) transmit_.set_gate(Gate::closed, now);
-  renumbering_ = true;
+  if (!hello_.renumbering) transmit_.set_gate(Gate::closed, now);
+  hello_.renumbering = true;
   if (!transmit_.idle()) return;
   transmit_.data.drop_control();  // nothing goes before the hello; its beacon follows it
-  beacon_.out = hello_out_ = merged_ = false;
+  beacon_.out = hello_.out = merged_ = false;
   next_boot();
   say_hello(now);
 }
@@ -363,12 +363,12 @@ void Membership::beacon_changed(Time now) {
 // Sends the own beacon with that of another node if the last one was some time ago: then all beacons of a quiet ring go
 // round together. (ours, protocol.md section 8.2)
 void Membership::send_beacon_along(Time now) {
-  if (!beacon_.out && beacon_.due - beacon_period_ <= now - settings_.beacon / 2) send_beacon(now);
+  if (!beacon_.out && timers_[Timer::beacon] - beacon_period_ <= now - settings_.beacon / 2) send_beacon(now);
 }
 
 void Membership::send_beacon(Time now) {
   beacon_.wanted = false;
-  beacon_.due = now + beacon_period_;
+  timers_.start(Timer::beacon, now + beacon_period_);
   if (hello_under_way() || !accepts_sends()) return;
   beacon_.out = true;
   std::array<std::uint8_t, wire::kLongBeaconSize> bytes;
@@ -379,11 +379,11 @@ void Membership::send_beacon(Time now) {
 // ---- time ---------------------------------------------------------------------------------
 
 void Membership::act_on_time(Time now) {
-  if (break_due_ <= now) own_input_broken(now);
-  if (drained_at_ <= now) on(Input::drained, now);
-  if (hello_due_ <= now) hello_lost(now);
-  if (beacon_.due <= now) {
-    beacon_.due = now + beacon_period_;
+  if (timers_.due(Timer::own_break, now)) own_input_broken(now);
+  if (timers_.due(Timer::drained, now)) on(Input::drained, now);
+  if (timers_.due(Timer::hello, now)) hello_lost(now);
+  if (timers_.due(Timer::beacon, now)) {
+    timers_.start(Timer::beacon, now + beacon_period_);
     beacon_changed(now);
     look_for_folds(now);
   }

@@ -10,6 +10,7 @@
 #include "core/receive/duplicate_memory.h"
 #include "core/settings.h"
 #include "core/state_table.h"
+#include "core/timers.h"
 #include "core/transmit/transmit.h"
 
 namespace limb_ring::core {
@@ -96,7 +97,7 @@ class Membership {
   /// more is no merger: it was alone, has forgotten everything and says hello itself. (ours, protocol.md section 4.10)
   bool has_merged(std::uint8_t hop, Time now) const {
     if (merged_ || ring_size_ == 0 || hop <= ring_size_) return merged_;
-    return settings_.several_hosts || (settings_.fold_back && now < fold_over_);
+    return settings_.several_hosts || (settings_.fold_back && now < fold_.over);
   }
   ///@}
 
@@ -106,25 +107,22 @@ class Membership {
   bool settle(Time now) {
     const bool ended = transmit_.data.has_control_end();
     if (ended) control_ended(now);
-    const bool due = (renumbering_ || merged_ || transmit_.numbers_exhausted()) && !hello_under_way();
+    const bool due = (hello_.renumbering || merged_ || transmit_.numbers_exhausted()) && !hello_under_way();
     if (due) on(Input::numbers_due, now);
     return ended || due;
   }
   void handle_timeout(Time now) {
     if (deadline() <= now) act_on_time(now);
   }
-  Time deadline() const { return std::min({beacon_.due, break_due_, drained_at_, hello_due_}); }
+  Time deadline() const { return timers_.next(); }
 
   /// archive.h
   template <class Archive>
   void archive(Archive& a) {
     a("state", state_)("boot", boot_)("ring_size", ring_size_)("peers", peers_)("cpu", cpu_);
-    a("input", input_)("output", output_)("joined", joined_)("known_to_all_from", known_to_all_from_)(
-        "hello_out", hello_out_)("hello_said", hello_said_)("hello_due", hello_due_)("renumbering", renumbering_);
-    a("merged", merged_)("duplicate_signs", duplicate_signs_)("beacon.out", beacon_.out)("beacon.wanted",
-                                                                                         beacon_.wanted);
-    a("beacon.due", beacon_.due)("break", break_)("break_due", break_due_)("drained_at", drained_at_);
-    a("folded", folded_)("fold_over", fold_over_);
+    a("input", input_)("output", output_)("joined", joined_)("known_to_all_from", known_to_all_from_);
+    a("hello", hello_)("beacon", beacon_)("merged", merged_)("duplicate_signs", duplicate_signs_)("break", break_);
+    a("fold", fold_)("timers", timers_);
   }
 
  private:
@@ -167,7 +165,7 @@ class Membership {
   void go_on_unconfirmed(Time now);
   void say_hello_into_chain(Time now);
   void start_drain(Time now);
-  void stop_drain(Time) { drained_at_ = kNever; }
+  void stop_drain(Time) { timers_.stop(Timer::drained); }
   void confirm_again(Time now);
   void beacon_changed(Time now);
   ///@}
@@ -176,7 +174,7 @@ class Membership {
   void forget_lost_lines();
   bool lines_up() const { return input_.up() && output_.up(); }
   /// It is out, or will be said again.
-  bool hello_under_way() const { return hello_out_ || hello_due_ != kNever; }
+  bool hello_under_way() const { return hello_.out || timers_.runs(Timer::hello); }
   void next_boot();
   void control_ended(Time now);
   void hello_ended(const SendEnded& ended, Time now);
@@ -235,24 +233,47 @@ class Membership {
 
   bool joined_ = false;
   Time known_to_all_from_ = kNever;  ///< its start
-  bool hello_out_ = false;
-  Time hello_said_{};
-  Time hello_due_ = kNever;       ///< it has ended lost, and is said again then
-  bool renumbering_ = false;      ///< the hello that is out, or comes next, begins new numbers
-  bool merged_ = false;           ///< with another part of the ring: numbers start again at 0
-  unsigned duplicate_signs_ = 0;  ///< since an own packet last came home
+  bool merged_ = false;              ///< with another part of the ring: numbers start again at 0
+  unsigned duplicate_signs_ = 0;     ///< since an own packet last came home
+
+  struct {
+    bool out = false;
+    Time said{};
+    bool renumbering = false;  ///< the hello that is out, or comes next, begins new numbers
+    template <class Archive>
+    void archive(Archive& a) {
+      a("out", out)("said", said)("renumbering", renumbering);
+    }
+  } hello_;
 
   struct {
     bool out = false;
     bool wanted = false;  ///< something changed while one was out
-    Time due = kNever;
+    template <class Archive>
+    void archive(Archive& a) {
+      a("out", out)("wanted", wanted);
+    }
   } beacon_;
 
   KnownBreak break_;
-  Time break_due_ = kNever;   ///< the input, lost or folded, counts as a broken line from then on
-  Time drained_at_ = kNever;  ///< an open chain ends then
-  bool folded_ = false;       ///< a fold is known, here or elsewhere in the ring
-  Time fold_over_{};          ///< until then a fold is known, or was a short time ago
+
+  struct {
+    bool known = false;  ///< here or elsewhere in the ring
+    Time over{};         ///< until then one is known, or was a short time ago
+    template <class Archive>
+    void archive(Archive& a) {
+      a("known", known)("over", over);
+    }
+  } fold_;
+
+  enum class Timer : std::uint8_t {
+    own_break,  ///< the input, lost or folded, counts as a broken line from then on
+    drained,    ///< the open chain ends
+    hello,      ///< it has ended lost, and is said again
+    beacon,     ///< the next one is due
+    count
+  };
+  Timers<Timer> timers_;
 };
 
 }  // namespace limb_ring::core

@@ -10,13 +10,14 @@ namespace limb_ring::core {
 void Membership::watch_for_break(Time now) {
   if (input_.folded && break_.is_own()) return;
   const bool lost = input_.state == wire::LinkState::silent || input_.folded;
-  if (lost && output_.up() && break_due_ == kNever) break_due_ = now + settings_.break_grace;
+  if (lost && output_.up() && !timers_.runs(Timer::own_break))
+    timers_.start(Timer::own_break, now + settings_.break_grace);
 }
 
 // The node behind a break sees the loss at once. It announces the break only after break_grace, since a bypass may mend
 // it. (ours, protocol.md section 8.3)
 void Membership::own_input_broken(Time now) {
-  break_due_ = kNever;
+  timers_.stop(Timer::own_break);
   break_.found(input_.neighbour);
   if (input_.folded)
     beacon_changed(now);
@@ -33,7 +34,7 @@ void Membership::break_known(Time now) {
 
 void Membership::go_on_unconfirmed(Time now) {
   transmit_.set_open_chain(true, now);
-  if (hello_out_) return;
+  if (hello_.out) return;
   if (hello_under_way()) return say_hello(now);
   transmit_.set_gate(Gate::open, now);
   beacon_changed(now);
@@ -42,13 +43,15 @@ void Membership::go_on_unconfirmed(Time now) {
 // A node that has not joined says its hello first, also into an open chain.
 void Membership::say_hello_into_chain(Time now) {
   transmit_.set_open_chain(true, now);
-  if (!hello_out_) say_hello(now);
+  if (!hello_.out) say_hello(now);
 }
 
-void Membership::start_drain(Time now) { drained_at_ = std::min(drained_at_, now + settings_.send_timeout()); }
+void Membership::start_drain(Time now) {
+  timers_.start(Timer::drained, std::min(timers_[Timer::drained], now + settings_.send_timeout()));
+}
 
 void Membership::confirm_again(Time now) {
-  drained_at_ = kNever;
+  timers_.stop(Timer::drained);
   break_.ring_closed(input_.folded);
   transmit_.set_open_chain(false, now);
   renumber(now);
@@ -61,7 +64,7 @@ void Membership::set_folded(bool input, bool output, Time now) {
   if (input == input_.folded && output == output_.folded) return;
   if (input_.folded && !input) {
     break_.own_mended();
-    break_due_ = kNever;
+    timers_.stop(Timer::own_break);
   }
   input_.folded = input;
   output_.folded = output;
@@ -77,10 +80,10 @@ bool Membership::says_folded(const Peer& peer, Time now) const {
 
 void Membership::look_for_folds(Time now) {
   if (!settings_.fold_back) return;
-  folded_ = input_.folded || output_.folded;
-  for (const NodeId node : settings_.order) folded_ = folded_ || says_folded(peers_[node], now);
-  if (folded_) fold_over_ = now + settings_.beacon + settings_.send_timeout();
-  if (!folded_ && state_ != NodeState::open_chain) break_.keep_own_alone();
+  fold_.known = input_.folded || output_.folded;
+  for (const NodeId node : settings_.order) fold_.known = fold_.known || says_folded(peers_[node], now);
+  if (fold_.known) fold_.over = now + settings_.beacon + settings_.send_timeout();
+  if (!fold_.known && state_ != NodeState::open_chain) break_.keep_own_alone();
   update_closed_state(now);
 }
 
