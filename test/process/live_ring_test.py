@@ -163,8 +163,17 @@ class MemoryAndDescriptors(unittest.TestCase):
     def test_what_lives_is_measured(self):
         self.assertEqual(self.measured.measure(), [])
         descriptors, memory = self.measured.first[3, 1]
-        self.assertGreaterEqual(descriptors, 3)
+        self.assertGreaterEqual(len(descriptors), 3)
         self.assertGreater(memory, 0)
+
+    def test_what_comes_and_goes_is_no_growth_what_stays_is_and_is_named(self):
+        ring = types.SimpleNamespace(starts={3: 1}, daemons={3: types.SimpleNamespace(pid=os.getpid())})
+        own = footprint.Footprint(ring, footprint.MEMORY_MARGIN_MB)
+        self.assertEqual(own.measure(), [])
+        opened = [open('/dev/null') for _ in range(footprint.FD_MARGIN + 1)]
+        self.addCleanup(lambda: [each.close() for each in opened])
+        self.assertRegex(own.measure()[0], r'node 3 .* at first: 3 more /dev/null')
+        self.assertEqual(own.measure(lambda: opened.pop().close()), [])
 
     def test_what_has_ended_is_not_and_is_no_growth(self):
         self.process.kill()
