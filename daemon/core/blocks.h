@@ -33,6 +33,7 @@ class Blocks {
   void input_gap(Time now) {
     own_changes();
     relay_.input_gap(now);
+    settle(now);
   }
   void output_up(NodeId to, Time now, bool folded = false);
   void output_lost(Time now);
