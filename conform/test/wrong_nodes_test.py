@@ -216,7 +216,7 @@ def build(kind, compiler, folder, index):
 def failed_cases(library):
     """@return the numbers of the cases that it fails, or a problem"""
     results = library[:-3] + '.json'
-    run = subprocess.run(['timeout', '60', sys.executable, os.path.join(ROOT, 'conform', 'conform'), '--profile', 'full', '--quiet', '--library', library,
+    run = subprocess.run(['timeout', '300', sys.executable, os.path.join(ROOT, 'conform', 'conform'), '--profile', 'full', '--quiet', '--library', library,
                           '--json', results], capture_output=True, text=True, check=False)
     if not os.path.exists(results):
         return None, 'the kit ended with %d: %s' % (run.returncode, (run.stdout + run.stderr)[-300:])
