@@ -85,6 +85,41 @@ def status_page(programs):
             output_of(os.path.join(programs, 'ringctl'), 'status', '--fields') + '\n')
 
 
+def rows_of(text):
+    """Cells of the table in a section, without its heading."""
+    lines = [line for line in text.splitlines() if line.startswith('| ')]
+    return [[part.strip() for part in line.strip('|').split(' | ')] for line in lines[1:]]
+
+
+def source(*path):
+    with open(os.path.join(ROOT, *path), encoding='utf-8') as file:
+        return file.read()
+
+
+# The parts of protocol.md section 10: who counts, and what stands before the names in ringctl status.
+COUNTERS_OF = (('10.1', 'network controller', ''), ('10.2', 'input', 'input_'), ('10.3', 'output', 'output_'),
+               ('10.4', 'faults', ''), ('10.5', 'host port, pins', ''))
+
+
+def counters_page():
+    """One table out of two, which tests hold against the code: protocol.md section 10, and that of the bridge."""
+    errors = re.findall(r'\{Of::\w+, "(\w+)", true\}', source('daemon', 'ring', 'status_rows.cpp'))
+    specification = source('docs', 'protocol.md')
+    page = ('# Counters\n\n' + WRITTEN +
+            'Whatever is discarded is counted under a name. `ringctl status --json` shows the counters of each node that are\n'
+            'not zero, with `--all` all of them, and the topic `ring_status` has them, too. They count from the start of the\n'
+            'node\'s daemon, and those of `ring_bridge` from its own start. One that is **bold** counts damaged or lost packets:\n'
+            '`ringctl status --watch` adds these up as `errors`. Numbers in brackets are sections of [protocol.md](../protocol.md).\n'
+            'If the ring folds back, the second line has all names of `input` and `output` again, with `second_` before them.\n\n'
+            '| counter | of | one count means |\n|---|---|---|\n')
+    for section, who, prefix in COUNTERS_OF:
+        for name, meaning in rows_of(re.search(r'\n### %s .*?(?=\n##)' % re.escape(section), specification, re.S).group()):
+            name = prefix + name.strip('`')
+            page += '| %s | %s | %s |\n' % ('**`%s`**' % name if name in errors else '`%s`' % name, who, meaning)
+    bridge = re.search(r'\n## Counters of the bridge\n.*?(?=\n## |$)', source('docs', 'reference', 'ros.md'), re.S).group()
+    return page + ''.join('| %s | `ring_bridge` | %s |\n' % (names, meaning) for names, meaning in rows_of(bridge))
+
+
 def signature_of(thing):
     try:
         return re.sub(r'<object object at 0x[0-9a-f]+>', '...', str(inspect.signature(thing)))  # its address is another each time
@@ -146,7 +181,7 @@ def main():
     arguments.add_argument('--check', action='store_true')
     options = arguments.parse_args()
     pages = {'commands.md': commands_page(options.programs), 'launch.md': launch_page(), 'python.md': python_page(),
-             'status.md': status_page(options.programs)}
+             'status.md': status_page(options.programs), 'counters.md': counters_page()}
     stale = []
     for name, text in pages.items():
         path = os.path.join(HERE, 'reference', name)
