@@ -6,13 +6,13 @@ usage: run_manual.py --programs FOLDER PAGE [PAGE ...]
 All pages run one after the other in one shell, in one empty folder, as a reader would who follows them. In a page
 
     ```console              commands behind '$ ', each followed by what it prints; a line '...' stands for any lines.
-    $ ringctl list          Times, dates, pids, ports and hashes are not compared, nor how wide a table is.
+    $ ringctl status        Times, dates, pids, ports and hashes are not compared, nor how wide a table is.
     ```
     <!-- file: NAME -->     the block that follows is saved under that name
     <!-- not run: WHY -->   the block that follows is not run, for that reason
 
 Rings of the manual are live ones, and a busy machine may pause a process for longer than a link may be silent by default.
-So each ring that a page starts by its name, or saves as a file, takes a link that is silent for PATIENCE for a whole one.
+So each ring that a page starts takes a link that is silent for PATIENCE for a whole one.
 
 Every block is one of these, or `text`, which shows and is not run. Exit code 0: all commands ended with 0 (or with the code
 that '[exit code N]' in their last line says) and printed what the page says.
@@ -148,7 +148,7 @@ class Shell:
 
 def patient(text):
     """The same ring's file with another timeouts.silence; any other text as it is."""
-    if not (re.search(r'^ring:', text, re.M) and re.search(r'^nodes:', text, re.M)):
+    if not (re.search(r'^ring:', text, re.M) and re.search(r'^nodes:', text, re.M)) or 'silence: ' + PATIENCE in text:
         return text
     text = re.sub(r'^ +silence: .*\n', '', text, flags=re.M)
     if re.search(r'^timeouts: *(#.*)?$', text, re.M):
@@ -165,6 +165,18 @@ def save_patient_rings(programs, home):
     for path in glob.glob(os.path.join(programs, '..', '..', 'share', 'limb_ring', 'config', '*.yaml')):
         with open(path, encoding='utf-8') as ring, open(os.path.join(ours, os.path.basename(path)), 'w', encoding='utf-8') as copy:
             copy.write(patient(ring.read()))
+
+
+def make_patient_what_starts(home, command):
+    """A ring's file of the reader, of which `ringctl up` makes a ring."""
+    started = re.match(r'ringctl up (\S+\.yaml)', command)
+    path = os.path.join(home, started.group(1)) if started else ''
+    if os.path.isfile(path):
+        with open(path, 'r+', encoding='utf-8') as file:
+            text = patient(file.read())
+            file.seek(0)
+            file.truncate()
+            file.write(text)
 
 
 def run_command(shell, block, line, command, expected, exit_code):
@@ -187,7 +199,7 @@ def run_block(shell, home, block):
         path = os.path.join(home, text)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         with open(path, 'w', encoding='utf-8') as file:
-            file.write(patient('\n'.join(block.lines) + '\n'))
+            file.write('\n'.join(block.lines) + '\n')
         return 'saved as ' + text
     if block.language == 'text' or block.language.startswith('{'):   # a directive of Sphinx
         return 'shown'
@@ -195,6 +207,7 @@ def run_block(shell, home, block):
         raise Wrong('%s: this block is neither `console` nor `text`, and has no "file:" or "not run:" above it' %
                     block.where())
     for command in commands_of(block):
+        make_patient_what_starts(home, command[1])
         run_command(shell, block, *command)
     return 'run'
 

@@ -53,8 +53,9 @@ class RunManual(unittest.TestCase):
     def test_a_file_of_the_page_is_there_for_its_commands(self):
         self.passes('<!-- file: a/b.txt -->\n```yaml\nkey: 1\n```\n\n```console\n$ cat a/b.txt\nkey: 1\n```\n')
 
-    def test_a_ring_that_a_page_saves_bears_a_busy_machine(self):
-        page = '<!-- file: arm.yaml -->\n```yaml\nring: arm\nnodes: 2\n```\n```console\n$ cat arm.yaml\n...\n%s\n```\n'
+    def test_a_ring_that_a_page_starts_from_a_file_bears_a_busy_machine(self):
+        page = ('<!-- file: arm.yaml -->\n```yaml\nring: arm\nnodes: 2\n```\n```console\n$ ringctl() { cat "$2"; }\n'
+                '$ ringctl up arm.yaml\n...\n%s\n```\n')
         self.passes(page % 'timeouts: {silence: 10s}')
         self.fails(page.replace('nodes: 2', 'timeouts:\n  silence: 5ms\nnodes: 2') % 'timeouts: {silence: 10s}', 'silence: 10s')
 
