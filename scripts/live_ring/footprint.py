@@ -1,4 +1,4 @@
-"""What the daemons hold on to: descriptors and memory, of each of their processes."""
+"""The descriptors and the memory that each daemon process holds."""
 import collections
 import os
 import time

@@ -1,4 +1,4 @@
-"""What roslaunch has started: all processes of its session, and signals to them."""
+"""All processes that roslaunch has started, found by their session, and signals to them."""
 import os
 
 

@@ -1,4 +1,4 @@
-// Faults as text, and what is said of a text that is none.
+// Faults are read from text. A text that is not a fault gets an error.
 #include "config/line_rig.h"
 #include "support/thrown.h"
 

@@ -1,4 +1,4 @@
-// A state as bytes: another controller goes on from it, and a number says of which members it consists.
+// A controller's state as bytes: another controller goes on from it. A number identifies its members.
 #include "core/archive.h"
 
 #include "core/copied_state.h"

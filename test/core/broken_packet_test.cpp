@@ -1,4 +1,4 @@
-// What cannot be finished is aborted, what is no packet is discarded, and all of it is counted.
+// A packet that cannot be finished is aborted, bytes that are not a packet are discarded, and both are counted.
 #include "core/solo_node.h"
 #include "support/node_literal.h"
 

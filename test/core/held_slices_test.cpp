@@ -1,4 +1,4 @@
-// What a fold holds until its input has settled.
+// Slices that a fold holds back until its input has settled.
 #include "core/fold/held_slices.h"
 
 #include "core/ring_fixture.h"

@@ -1,4 +1,4 @@
-// Whoever keeps a journal of a node is told of every call that changes it, before it happens.
+// The journal of a node gets every call that changes the node, before it happens.
 #include "core/journal.h"
 
 #include "core/network_controller.h"

@@ -1,5 +1,5 @@
-// What a node keeps of what it has to do next, so that a packet that only passes costs no look at everything. Two nodes
-// get the same random inputs; one of them is made to look at everything each time. They never differ.
+// A node keeps the deadline of its next task, so a packet that only passes needs no look at all tasks. Two nodes get
+// the same random inputs, and one of them is made to look at everything each time. They never differ.
 #include <random>
 #include <utility>
 

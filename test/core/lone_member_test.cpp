@@ -1,4 +1,4 @@
-// What one node knows of the ring it is in, and says in its hello and beacons. (protocol.md section 8)
+// What one node knows of its ring, and what it says in its hello and beacons. (protocol.md section 8)
 #include "core/solo_node.h"
 
 namespace limb_ring::core {

@@ -1,4 +1,4 @@
-// Packets that nobody else would ever take off the ring, and the bounds of what waits for the line.
+// Packets that nobody else would take off the ring, and the limits of the queues for the line.
 #include "core/solo_node.h"
 #include "support/node_literal.h"
 

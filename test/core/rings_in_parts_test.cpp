@@ -1,5 +1,5 @@
-// What a node of a ring that falls into parts takes once only, and what it does not leave open on a line. (protocol.md
-// sections 4.10, 6.3 and 8.11)
+// In a ring that falls into parts, a node takes each packet once, and leaves none open on a line. (protocol.md sections
+// 4.10, 6.3 and 8.11)
 #include <random>
 
 #include "core/lone_fold.h"

@@ -1,4 +1,4 @@
-// What a network controller does where nobody has said otherwise. (protocol.md sections 7.2 and 7.3)
+// The defaults of a network controller. (protocol.md sections 7.2 and 7.3)
 #include "core/settings.h"
 
 #include "core/copied_state.h"

@@ -1,4 +1,4 @@
-// Observations in mapped memory: all of them, or so many lost.
+// Observations in mapped memory: all arrive, or the number of lost ones is told.
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>

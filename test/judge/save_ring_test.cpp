@@ -1,4 +1,4 @@
-// Recordings of a ring: saved, whatever one of them is; old saves go, and only those of the ring.
+// Recordings of a ring are saved, even if one of them is bad. Old saves are deleted, but only those of this ring.
 #include "judge/recording.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Files of flight recorders: kept while they are written, after the process has died, and refused where they were
-// changed.
+// Files of flight recorders are kept while they are written and after their process has died. A changed file is
+// refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-"""What try_mutants may change in the core, and what of it nobody can notice."""
+"""The changes that try_mutants may make in the core, and those of them that no test can notice."""
 import collections
 import hashlib
 import pathlib

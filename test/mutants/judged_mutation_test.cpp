@@ -1,5 +1,5 @@
-// What a core that is broken on purpose does is named by the judge of living and recorded rings, from what is seen at
-// the nodes alone; what a sound one does is not.
+// The judge of living and recorded rings finds what a core does that is broken on purpose, only from what is seen at
+// the nodes. At a sound core it finds nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,4 @@
-// A recording of a core that is broken is replayed by that core alone: a sound one does something else, and the other
-// way round.
+// Only a broken core can replay its own recording: a sound core does something else, and the other way round.
 #include <gtest/gtest.h>
 
 #include "judge/recorded_lives.h"

@@ -1,4 +1,4 @@
-"""One line of C++ that does what it did, or what a mutant of it does: by a number when the program runs.
+"""One line of C++ and its mutants: a number chooses at run time which of them runs.
 
 So that many mutants are compiled at once. Only lines of a few plain forms can be written so; whether the compiler takes
 it, it says."""

@@ -1,4 +1,4 @@
-// What a ring's configuration makes a network controller's settings.
+// The settings of a network controller, from a ring's configuration.
 #include "config/core_settings.h"
 
 #include <gmock/gmock.h>

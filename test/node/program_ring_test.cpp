@@ -1,4 +1,4 @@
-// Which program is the CPU of which node, and what cannot be played with programs.
+// Which program is which node's CPU, and which scenarios cannot be played with programs.
 #include "node/program_stage.h"
 
 #include "sim/scenario_text.h"

@@ -1,4 +1,4 @@
-// What clients write in JSON, before anything of it is done.
+// The fields of a request in JSON are checked before the request is carried out.
 #include "node/requests.h"
 
 #include <gmock/gmock.h>

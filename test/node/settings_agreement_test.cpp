@@ -1,4 +1,4 @@
-// What nodes must agree on, out of their rings' files.
+// The settings of their rings' files on which nodes must agree.
 #include "node/link_settings.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a CPU has taken, by its credit.
+// How many packets a CPU has taken, told by its credit.
 #include "node/program_stage.h"
 
 #include <gmock/gmock.h>

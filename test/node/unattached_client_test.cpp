@@ -1,4 +1,4 @@
-// A client of a virtual ring that has greeted, and whose boot in the ring's time is not over.
+// A client of a virtual ring that has greeted, but is still booting in the ring's time.
 #include <unistd.h>
 
 #include <optional>

@@ -1,5 +1,4 @@
-"""What a shell is told of rings that run: names of rings and nodes, without waiting for anybody and without a word
-besides."""
+"""Completion of the names of running rings and their nodes: it waits for nobody, and prints nothing else."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-// What hears of all nodes, and one of them does not answer.
+// The listener hears of all nodes, also while one of them does not answer.
 #include "ros_bridge/ring_listener.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Scenarios whose aliases have no end, or stand for more than a machine holds.
+// Scenarios whose YAML aliases never end, or expand to more than fits into memory.
 #include "sim/scenario_text.h"
 
 namespace limb_ring::scenario {

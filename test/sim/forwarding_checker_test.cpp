@@ -1,4 +1,4 @@
-// What a node must do with what others have sent, told to the checker packet by packet.
+// The checker of forwarding, told packet by packet what a node does with the packets of others.
 #include "judge/forwarding_checker.h"
 #include "support/node_literal.h"
 

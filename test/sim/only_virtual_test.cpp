@@ -1,4 +1,4 @@
-// What a scenario asks for that no live daemon can give, and that nothing else is refused.
+// Scenarios are refused if they ask for something that no live daemon can do, and only then.
 #include "sim/scenario_report.h"
 
 #include "sim/scenario_text.h"

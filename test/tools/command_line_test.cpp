@@ -1,4 +1,4 @@
-// What every program says to a command line that is wrong, and to one that asks.
+// What every program prints for a wrong command line, and for --help and --version.
 #include "tools/common/command_line.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What a shell is told may stand next on a command line.
+// Completion: the words that may come next on a command line.
 #include "tools/common/man_page.h"
 
 #include <gmock/gmock.h>
