@@ -97,8 +97,8 @@ def source(*path):
 
 
 # The parts of protocol.md section 10: who counts, and what stands before the names in ringctl status.
-COUNTERS_OF = (('10.1', 'network controller', ''), ('10.2', 'input', 'input_'), ('10.3', 'output', 'output_'),
-               ('10.4', 'faults', ''), ('10.5', 'host port, pins', ''))
+COUNTERS_OF = (('10.1', 'controller', ''), ('10.2', 'input', 'input_'), ('10.3', 'output', 'output_'),
+               ('10.4', 'faults', ''), ('10.5', 'host port', ''))
 
 
 def counters_page():
