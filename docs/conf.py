@@ -18,6 +18,7 @@ myst_enable_extensions = ['colon_fence']
 myst_heading_anchors = 4
 source_suffix = {'.md': 'markdown'}
 exclude_patterns = ['_build']
+highlight_language = 'text'   # of blocks that name none: commands of a shell, mostly
 html_theme = 'furo'
 html_title = 'limb_ring ' + release
 nitpicky = True
