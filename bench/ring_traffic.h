@@ -14,7 +14,7 @@ namespace limb_ring::bench {
 /// keeping one outstanding, to the node on the other side of the ring.
 Measurement measure_traffic(const Setup& setup, const PrivateRing& ring, Sending sending);
 
-/// A process that judges the ring's promises, as `ringctl judge` does.
+/// A process that judges the ring's promises, as `ringctl traffic judge` does.
 class RingJudge {
  public:
   /// Returns when it watches all nodes. @throw std::runtime_error where that takes too long

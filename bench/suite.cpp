@@ -131,7 +131,7 @@ struct Label {
 constexpr Label kLabels[] = {{"reference", "bare reference ring (UNIX)"},
                              {"shm", "limb_ring through shared memory"},
                              {"recorded", "  with flight recorders"},
-                             {"judged", "  while `ringctl judge` judges it"},
+                             {"judged", "  while its promises are judged"},
                              {"viewed", "  while a browser looks"},
                              {"placed", "  cores: auto, fifo"},
                              {"unix", "limb_ring over UNIX stream"},

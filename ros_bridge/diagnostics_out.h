@@ -42,7 +42,7 @@ class BridgeLosses {
   Recent recent_;
 };
 
-/// Judges the ring's promises, as `ringctl judge` does, for `/diagnostics`: "promises". A thread of its own.
+/// Judges the ring's promises, as `ringctl traffic judge` does, for `/diagnostics`: "promises". A thread of its own.
 class PromisesOut {
  public:
   PromisesOut(const config::RingConfig& ring, const ConnectOptions& daemon);

@@ -23,7 +23,7 @@ const Section<RecorderSaves>& saves_section() {
   static const Section<RecorderSaves> section{
       {"save", "[]", kSaveRule,
        "When `ringctl up` saves the recordings of all nodes. crash: a daemon has crashed. break: a broken line was "
-       "located. promise: the ring has broken a promise; `ringctl up` then judges as `ringctl judge` does.",
+       "located. promise: the ring has broken a promise; `ringctl up` then judges as `ringctl traffic judge` does.",
        read_save},
       {"folder", "`~/.local/state/limb_ring`", kFolderRule,
        "Where the saves go. Each is a folder named by ring, date and reason. If XDG_STATE_HOME is set, the default is "

@@ -38,7 +38,7 @@ class BabblingCpu {
   std::unique_ptr<event_loop::Timer> next_;
   std::chrono::nanoseconds period_{0};
   bool on_ = false;
-  std::uint32_t next_token_ = 1;   ///< each send has its own, by which `ringctl judge` tells them apart
+  std::uint32_t next_token_ = 1;   ///< each send has its own, by which `ringctl traffic judge` tells them apart
   std::uint32_t first_token_ = 1;  ///< of this run: results of an earlier one do not count
   std::uint64_t sent_ = 0;
   std::array<std::uint8_t, wire::kMaxPayload> data_{};

@@ -14,7 +14,7 @@
 
 namespace limb_ring::runtime {
 
-/// What is wrong at a node, as status, log and `ringctl judge` tell it.
+/// What is wrong at a node, as status, log and `ringctl traffic judge` tell it.
 struct Warning {
   std::string rule;  ///< one word that stays the same: "hop"
   std::string text;  ///< a sentence without the node at which it was found

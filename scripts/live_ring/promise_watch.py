@@ -1,4 +1,4 @@
-"""`ringctl judge` beside a living ring: it must find nothing."""
+"""`ringctl traffic judge` beside a living ring: it must find nothing."""
 import signal
 import subprocess
 
@@ -9,7 +9,7 @@ class PromiseWatch:
     def __init__(self, ring):
         self.log = '%s/watch.log' % ring.folder
         with open(self.log, 'wb') as log:
-            self.process = subprocess.Popen([ring.launcher.program('ringctl'), '--ring', ring.name, 'judge'],
+            self.process = subprocess.Popen([ring.launcher.program('ringctl'), '--ring', ring.name, 'traffic', 'judge'],
                                             env=ring.launcher.environment, stdout=log, stderr=subprocess.STDOUT,
                                             start_new_session=True)
 
@@ -19,9 +19,9 @@ class PromiseWatch:
 
     def problems(self):
         """What it says is broken, and that it has ended by itself."""
-        broken = ['ringctl judge: ' + line for line in self.lines() if ': broken: ' in line]
+        broken = ['ringctl traffic judge: ' + line for line in self.lines() if ': broken: ' in line]
         if not broken and self.process.poll() is not None:
-            broken = ['ringctl judge has ended by itself with %d: %s' % (self.process.returncode, self.last())]
+            broken = ['ringctl traffic judge has ended by itself with %d: %s' % (self.process.returncode, self.last())]
         return broken
 
     def last(self):
@@ -36,9 +36,9 @@ class PromiseWatch:
             code = self.process.wait(END_TIMEOUT)
         except subprocess.TimeoutExpired:
             self.kill()
-            return ['ringctl judge does not end']
+            return ['ringctl traffic judge does not end']
         broken = [problem for problem in self.problems() if ': broken: ' in problem]
-        return broken or ([] if code == 0 else ['ringctl judge ended with %d: %s' % (code, self.last())])
+        return broken or ([] if code == 0 else ['ringctl traffic judge ended with %d: %s' % (code, self.last())])
 
     def kill(self):
         if self.process.poll() is None:

@@ -40,7 +40,7 @@ class Folder(RingTest):
         for file in os.listdir(self.ring_folder()):
             if stat.S_ISREG(os.lstat(os.path.join(self.ring_folder(), file)).st_mode):
                 os.remove(os.path.join(self.ring_folder(), file))
-        self.assertIn(self.ring, self.ctl('list').stdout)
+        self.assertIn(self.ring, self.ctl('status', '--rings').stdout)
         again = self.ctl('up', os.path.join(self.folder, 'ring.yaml'), '--detach')
         self.assertEqual(again.returncode, 1, again.stderr)
         self.assertIn('is running already', again.stderr)
@@ -97,7 +97,7 @@ class Folder(RingTest):
         fifos = [os.path.join(self.ring_folder(), name) for name in ('1.fault', '9.lock')]
         for fifo in fifos:
             os.mkfifo(fifo)
-        for command in (['list'], ['status'], ['fault', 'list'], ['down']):
+        for command in (['status', '--rings'], ['status'], ['fault', 'list'], ['down']):
             with self.subTest(command=command):
                 done = self.ctl(*command)
                 self.assertEqual(done.returncode, 0, done.stderr)

@@ -142,8 +142,8 @@ class FromOneHostToTheOther(HostsTest):
         self.assertIn('4 of 4 nodes up', text)
 
     def test_list_says_which_host_this_is(self):
-        self.assertIn('waist (of waist, head)', self.on('waist', 'list'))
-        self.assertEqual([(ring['host'], ring['nodes'], ring['clock']) for ring in self.json_on('head', 'list')],
+        self.assertIn('waist (of waist, head)', self.on('waist', 'status', '--rings'))
+        self.assertEqual([(ring['host'], ring['nodes'], ring['clock']) for ring in self.json_on('head', 'status', '--rings')],
                          [('head', 2, 'live')])
 
     def test_each_ends_its_own_part(self):

@@ -1,5 +1,5 @@
-"""A ring of another user: ringctl says that permission is denied, and changes nothing; nor does it go by what another
-user has put where our rings would be."""
+"""A ring of another user: ringctl says that permission is denied, and changes nothing. It also ignores what another user
+has put where our rings would be."""
 
 import fcntl
 import os
@@ -41,7 +41,7 @@ class OtherUsersRing(RingTest):
                 self.assertEqual(done.returncode, 3, command + ring)
                 self.assertIn('Permission denied', done.stderr, command + ring)
                 self.assertNotIn('no ring', done.stderr, command + ring)
-        for command in (['list'], ['down', '--all'], ['record', 'save', '/nowhere']):
+        for command in (['status', '--rings'], ['down', '--all'], ['record', 'save', '/nowhere']):
             self.assertIn('Permission denied', self.ctl_of_nobody(*command).stderr, command)
         self._all_run(self.daemons)
         self.assertTrue(self.is_closed(self.daemons))

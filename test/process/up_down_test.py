@@ -18,7 +18,7 @@ class UpDown(RingTest):
     def test_of_all_rings_and_of_one_is_not_asked_for_together(self):
         self.start_ring(plain_nodes(2))
         for arguments in (['down', '--all', '--ring', self.ring], ['down', self.ring, '--ring', 'other'],
-                          ['list', '--ring', self.ring], ['traffic', 'show', '-r', 'file', '--ring', self.ring]):
+                          ['status', '--rings', '--ring', self.ring], ['traffic', 'show', '-r', 'file', '--ring', self.ring]):
             self.assertEqual(self.ctl(*arguments).returncode, 2, arguments)
         self.assertTrue(self.row(0))
 
@@ -69,7 +69,7 @@ class UpDown(RingTest):
             self.assertEqual(self.ctl('down', self.ring).returncode, 0)
             self.assertFalse(os.path.exists(self.ring_folder()))
             self.assertEqual(sorted(os.listdir(logs)), ['0.log', '1.log'])
-        self.assertEqual(self.ctl('list').stdout, 'no ring is running\n')
+        self.assertEqual(self.ctl('status', '--rings').stdout, 'no ring is running\n')
 
     def test_log_shows_what_a_node_printed_while_it_runs_and_after_it_has_ended(self):
         nodes = plain_nodes(2)
@@ -280,19 +280,19 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('down').returncode, 0)
 
     def test_all_rings_are_listed_and_ended(self):
-        self.assertEqual(self.ctl_json('list'), [])
-        self.assertIn('no ring is running', self.ctl('list').stdout)
+        self.assertEqual(self.ctl_json('status', '--rings'), [])
+        self.assertIn('no ring is running', self.ctl('status', '--rings').stdout)
         first, second = self.ring, self.ring + 'b'
         self.up('--nodes', 2)
         self.ring = second
         self.up('--nodes', 3, '--clock', 'virtual')
         os.kill(self.ctl_json('--ring', first, 'status')['nodes'][1]['pid'], signal.SIGSTOP)   # it is listed, too
-        live, virtual = self.ctl_json('list')
+        live, virtual = self.ctl_json('status', '--rings')
         self.assertEqual(live, {'ring': first, 'nodes': 2, 'clock': 'live'})
         self.assertLessEqual({'ring': second, 'nodes': 3, 'clock': 'virtual', 'pace': 1.0}.items(), virtual.items())
         self.assertEqual(self.ctl('down', '--all', second).returncode, 2)
         self.assertEqual(self.ctl('down', '--all').returncode, 0)
-        self.assertEqual(self.ctl_json('list'), [])
+        self.assertEqual(self.ctl_json('status', '--rings'), [])
         self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
 
     def test_all_folders_of_dead_rings_are_removed_but_for_recordings(self):
@@ -300,7 +300,7 @@ class UpDown(RingTest):
             self.assertEqual(self.ctl('--ring', ring, 'up', '--nodes', 2, '--detach', *more).returncode, 0)
             for row in self.ctl_json('--ring', ring, 'status')['nodes']:
                 os.kill(row['pid'], signal.SIGKILL)
-        self.wait('they are dead', lambda: self.ctl_json('list') == [])
+        self.wait('they are dead', lambda: self.ctl_json('status', '--rings') == [])
         self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
         self.assertEqual(sorted(os.listdir(os.path.dirname(self.ring_folder()))), ['.logs', 'recorded'])
 
@@ -314,7 +314,7 @@ class UpDown(RingTest):
         self.wait('it to begin', lambda: self.row(1) is None)
         self.ctl('down', 's')
         self.assertEqual(self.wait_exit(down), 0, self.log_of(down))
-        self.assertEqual(self.ctl_json('list'), [])
+        self.assertEqual(self.ctl_json('status', '--rings'), [])
 
     def up_respawning(self, *arguments):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--respawn',

@@ -25,7 +25,7 @@ class Nodes(VirtualTest, FaultTest):
         status = self.ctl('status').stdout
         self.assertRegex(status, r'(?m)^ *2 +node2 +down ')
         self.assertIn('fault on purpose node2.kill: kill node2', status)
-        self.assertEqual(self.ctl_json('list')[0]['nodes'], 3)
+        self.assertEqual(self.ctl_json('status', '--rings')[0]['nodes'], 3)
         for word in ('freeze', 'thaw', 'kill', 'power_cycle', 'hang'):
             self.assertIn('node node2 of ring %s has no daemon on this host that runs' % self.ring,
                           self.fault(word, 'node2', code=3), word)
@@ -177,7 +177,7 @@ class Nodes(VirtualTest, FaultTest):
         pid = self.row(0)['pid']
         self.begin('kill', 'all')
         self.assertEqual(self.ctl('status').returncode, 3)
-        self.assertEqual(self.ctl_json('list')[0]['nodes'], 0)
+        self.assertEqual(self.ctl_json('status', '--rings')[0]['nodes'], 0)
         again = self.ctl('up', config, '--clock', 'virtual', '--detach')
         self.assertIn('running already', again.stderr)
         self.assertEqual(self.ctl('--ring', self.ring, 'down').returncode, 0)

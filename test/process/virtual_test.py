@@ -66,7 +66,7 @@ class Virtual(VirtualTest):
         self.assertGreater(clock['now_s'], 0)
         for figure in ('late_s', 'lost_s'):
             self.assertGreaterEqual(clock[figure], 0)
-        row = [row for row in self.ctl_json('list') if row['ring'] == self.ring][0]
+        row = [row for row in self.ctl_json('status', '--rings') if row['ring'] == self.ring][0]
         self.assertEqual((row['nodes'], row['clock'], row['pace']), (4, 'virtual', 2))
         self.assertGreaterEqual(row['now_s'], clock['now_s'])
         top = self.ctl_json('--ring', self.ring, 'status', '--watch', '--once', '--interval', '0.2')

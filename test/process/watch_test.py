@@ -1,4 +1,4 @@
-"""ringctl judge: a ring's promises judged from outside, and recordings that save themselves."""
+"""ringctl traffic judge: a ring's promises judged from outside, and recordings that save themselves."""
 
 import glob
 import json
@@ -20,7 +20,7 @@ TAKEN = 2   # Observation::Kind
 
 class WatchingTest(RingTest):
     def watch(self, *arguments):
-        return self.start('watch', [program('ringctl'), 'judge', *arguments])
+        return self.start('watch', [program('ringctl'), 'traffic', 'judge', *arguments])
 
     def is_watched(self, node):
         return os.path.exists(os.path.join(self.ring_folder(), '%d.watch' % node))
@@ -87,7 +87,7 @@ class Watching(WatchingTest):
 
     def test_ends_by_itself_and_costs_nothing_afterwards(self):
         self.start_ring(plain_nodes(2))
-        done = self.ctl('judge', self.ring, '--for', 0.3, '--json')
+        done = self.ctl('traffic', 'judge', self.ring, '--for', 0.3, '--json')
         self.assertEqual(done.returncode, 0, done.stderr)
         told = json.loads(done.stdout)
         self.assertEqual((told['broken'], told['not_judged']), (0, 0))
@@ -107,7 +107,7 @@ class Watching(WatchingTest):
         for limit in 10, 12:  # of them one for each node, and for what a program needs
             def few_descriptors():
                 resource.setrlimit(resource.RLIMIT_NOFILE, (limit, limit))
-            done = self.ctl('judge', '--for', 0.5, preexec_fn=few_descriptors)
+            done = self.ctl('traffic', 'judge', '--for', 0.5, preexec_fn=few_descriptors)
             self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
             self.assertIn('Too many open files', done.stderr)
             self.assertNotIn('was kept', done.stdout)
@@ -115,12 +115,12 @@ class Watching(WatchingTest):
             self.assertRegex(done.stdout, 'nodes? not watched, and not judged')
 
     def test_without_a_ring_it_says_so(self):
-        self.assertEqual(self.ctl('judge', 'no_such_ring').returncode, 3)
+        self.assertEqual(self.ctl('traffic', 'judge', 'no_such_ring').returncode, 3)
 
     def test_a_node_that_cannot_be_watched_is_named_and_no_ring_that_is_missing(self):
         self.start_ring(plain_nodes(2))
         os.mkdir(os.path.join(self.ring_folder(), '1.watch'))   # where its file would be
-        done = self.ctl('judge', '--for', '30')
+        done = self.ctl('traffic', 'judge', '--for', '30')
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn('node 1: cannot make', done.stderr)
 

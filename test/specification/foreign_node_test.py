@@ -116,7 +116,7 @@ class ForeignNode(WithAForeignNode):
 
     def test_it_is_named_where_it_does_not_count_hop(self):
         self.close_unix_ring()
-        judge = self.start('judge', [ring_process.program('ringctl'), '--ring', self.ring, 'judge'])
+        judge = self.start('judge', [ring_process.program('ringctl'), '--ring', self.ring, 'traffic', 'judge'])
         self.node.adds_hop = 0
         words = 'node2: HOP of packets of node1 is 0, 1 expected (protocol.md section 2.2)'
         self.assert_told(words)

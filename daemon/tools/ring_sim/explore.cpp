@@ -117,12 +117,13 @@ int run_all(const ExploreOptions& options) {
 }
 
 constexpr const char* kExploreHelp =
-    "A place is a slice that leaves a node, until all sends have ended and the ring is whole again. Faults: that "
-    "slice lost, damaged in its first, middle or last byte, doubled (not with fold-back) or late; a node restarted, "
-    "or frozen for 3 ms, a line cut and mended 3 ms later; and, counted like a fault, an INTP sent by a node just "
-    "then. Between two strikes at least one slice leaves. A run that comes into a state in which another one was "
-    "ends there, since both would go on in the same way: its states are compared, by a hash of 64 bits, after every "
-    "slice while more may strike, and when all sends have ended.";
+    "A place is one slice that leaves a node, from the first send until all sends have ended and the ring is whole "
+    "again. At a place one of these faults may strike: the slice is lost, damaged in its first, middle or last byte, "
+    "late, or doubled (not with fold-back); a node restarts, or is frozen for 3 ms; a line is cut for 3 ms. An INTP "
+    "that a node sends at a place counts like a fault. At least one slice leaves between two faults.\n"
+    "A run ends early if it reaches a state that another run has reached, because both would go on alike. States are "
+    "compared by a hash of 64 bits: after every slice as long as another fault may strike, and when all sends have "
+    "ended.";
 
 void add_size(CLI::App& command, study::World& world) {
   command.add_option("--nodes", world.nodes, "Nodes of the ring, 2 to 6; default 3")->transform(cli::whole(2, 6));
@@ -135,18 +136,20 @@ void add_bounds(CLI::App& command, ExploreOptions& options) {
   study::Exploration::Bounds& bounds = options.bounds;
   command
       .add_option("--faults", bounds.faults,
-                  "At most N in a run, 0 to 3; default 1. One more takes some hundred times as long")
+                  "At most N faults in a run, 0 to 3; default 1. Each more takes some hundred times as long")
       ->transform(cli::whole(0, 3));
   command
       .add_option("--places", bounds.places,
-                  "Faults fall only at the first N places of a run, 1 to 1000000; default: at all")
+                  "Faults strike only at the first N places of a run, 1 to 1000000; default: at all")
       ->transform(cli::whole(1, study::Exploration::kAllPlaces));
-  command.add_flag("--all-runs", options.all_runs, "Runs each to its end: states met before are not recognised");
+  command.add_flag("--all-runs", options.all_runs,
+                   "Run each to its end, also if another run has reached the same state");
   bounds.threads = std::max(1u, std::thread::hardware_concurrency());
   command
-      .add_option("--threads", bounds.threads,
-                  "So many runs at once, 1 to 256; default: as many as there are CPUs. With one, the run that is told "
-                  "where a promise is broken is always the same")
+      .add_option(
+          "--threads", bounds.threads,
+          "Runs at once, 1 to 256; default: one per CPU. With 1, it is always the same run that is printed for a "
+          "broken promise")
       ->transform(cli::whole(1, 256));
 }
 
@@ -154,16 +157,17 @@ void add_line_options(CLI::App& command, study::World& world) {
   command
       .add_option_function<std::string>(
           "--rate", [&world](const std::string& rate) { world.paced = rate == "1Gbit/s"; },
-          "Of the lines: 1Gbit/s (default), so that packets leave in slices; unlimited, so that they leave whole")
+          "Rate of the lines. 1Gbit/s (default): packets leave in slices. unlimited: they leave whole")
       ->transform(cli::one_of({"1Gbit/s", "unlimited"}));
   command
       .add_option_function<std::string>(
           "--redundancy", [&world](const std::string& what) { world.fold_back = what == "foldback"; },
-          "none (default) or foldback: a second line; then a cut is of the cable")
+          "none (default), or foldback: a second line; a fault then cuts both lines of a cable")
       ->transform(cli::one_of({"none", "foldback"}));
-  command.add_flag("--open-chain", world.broken,
-                   "The line out of the last node is cut before the sends, and mended at the end; with fold-back its "
-                   "cable, so that the ring is folded");
+  command.add_flag(
+      "--open-chain", world.broken,
+      "Cut the line out of the last node before the sends, and mend it at the end; with fold-back its cable, so "
+      "that the ring is folded");
 }
 
 int run(ExploreOptions& options) {
@@ -180,8 +184,8 @@ void add_explore(CLI::App& app, Context& context) {
   add_size(*command, options->world);
   add_bounds(*command, *options);
   add_line_options(*command, options->world);
-  CLI::Option* only =
-      command->add_option("--only", options->only, "Only one run, with these strikes: 12:lost,20:restart:1; or none");
+  CLI::Option* only = command->add_option("--only", options->only,
+                                          "Make only one run, with these faults: 12:lost,20:restart:1; or none");
   for (const char* of_many : {"--faults", "--places", "--threads", "--all-runs"}) only->excludes(of_many);
   add_format(*command, options->format);
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });

@@ -295,7 +295,7 @@ void add_compare_traces(CLI::App& app, Context& context) {
   auto options = std::make_shared<CompareTracesOptions>();
   CLI::App* command = add_command(app, "compare-traces", "Name the first packet in which two captures differ",
                                   "ring_sim compare-traces first.pcapng second.pcapng",
-                                  "Both are of rings on a virtual clock. Ends with 1 if they differ.");
+                                  "Both captures come from rings on a virtual clock. Exits with 1 if they differ.");
   command
       ->add_option("A", options->first,
                    "pcapng, from 'ringctl up --clock virtual --capture', 'ringctl scenario run' or 'ring_sim run'")

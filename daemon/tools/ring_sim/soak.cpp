@@ -165,7 +165,7 @@ constexpr std::int64_t kMostSeeds = 100'000'000;
 constexpr std::uint64_t kLastSeed = std::numeric_limits<std::int64_t>::max();  ///< that a scenario takes
 
 void add_seeds(CLI::App& command, SoakOptions& options) {
-  command.add_option("--seeds", options.seeds, "How many, 1 to 100000000; default 1000")
+  command.add_option("--seeds", options.seeds, "Seeds to try, 1 to 100000000; default 1000")
       ->transform(cli::whole(1, kMostSeeds));
   command.add_option("--first", options.first, "The first seed, above 0; default: drawn at random, and printed")
       ->transform(cli::whole(1, static_cast<std::int64_t>(kLastSeed)));
@@ -185,10 +185,10 @@ void add_world(CLI::App& command, SoakOptions& options) {
           [&options](const std::string& what) {
             options.world = static_cast<study::WorldKind>(std::find(kWorlds, std::end(kWorlds), what) - kWorlds);
           },
-          "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
-          "still; parts: as wide, with up to 16 nodes, hosts that lose each other and regroup, ends of lines that "
-          "notice late, faults in bursts within a lap; storms: 3 to 6 nodes that fold back, mended again and again "
-          "before such a burst")
+          "usual (default); wide: sparse ids, now and then up to 254 nodes, lines of different kinds, nodes and "
+          "lines that stand still; parts: like wide with up to 16 nodes, hosts that lose each other and regroup, "
+          "line ends that notice late, several faults within one lap; storms: 3 to 6 nodes that fold back, cut and "
+          "mended again and again before such a series of faults")
       ->transform(cli::one_of({"usual", "wide", "parts", "storms"}));
 }
 
@@ -216,7 +216,8 @@ void check(const SoakOptions& options) {
                      std::to_string(options.first) + " on would be beyond it; " + std::to_string(kLastSeed) +
                      " is the last one that --first and a scenario take");
   if (options.shrink_into && options.world != study::WorldKind::usual)
-    throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
+    throw UsageError(
+        "--shrink goes only with the usual world: a scenario has neither lines that differ nor sparse ids");
   if (options.hashes && options.format != app::Format::text)
     throw UsageError("--hashes prints lines of text: leave --json and --csv out");
   if (options.shrink_into) require_writable(*options.shrink_into);

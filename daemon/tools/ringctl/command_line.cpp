@@ -42,30 +42,28 @@ void require_no_ring(const Context& context, const std::string& why) {
 
 namespace {
 
+struct Section {
+  const char* title;
+  std::vector<void (*)(CLI::App&, Context&)> commands;
+};
+
+/// The sections of `ringctl --help`, in the order in which a user needs them.
+const std::vector<Section>& sections() {
+  static const std::vector<Section> all{
+      {"Start and end a ring", {add_new, add_check, add_up, add_down, add_wait}},
+      {"Look at it", {add_status, add_log, add_view, add_traffic, add_record}},
+      {"Act on it", {add_send, add_ping, add_interrupt, add_reset, add_stop, add_resume, add_clock}},
+      {"Break and test it", {add_fault, add_scenario}},
+      {"For several hosts and for nodes of your own", {add_hosts, add_conform}}};
+  return all;
+}
+
 void add_commands(CLI::App& app, Context& context) {
-  add_new(app, context);
-  add_check(app, context);
-  add_up(app, context);
-  add_down(app, context);
-  add_list(app, context);
-  add_status(app, context);
-  add_log(app, context);
-  add_wait(app, context);
-  add_send(app, context);
-  add_ping(app, context);
-  add_interrupt(app, context);
-  add_reset(app, context);
-  add_stop(app, context);
-  add_resume(app, context);
-  add_clock(app, context);
-  add_traffic(app, context);
-  add_view(app, context);
-  add_judge(app, context);
-  add_record(app, context);
-  add_fault(app, context);
-  add_scenario(app, context);
-  add_hosts(app, context);
-  add_conform(app, context);
+  for (const Section& section : sections())
+    for (const auto add : section.commands) {
+      add(app, context);
+      app.get_subcommands([](const CLI::App*) { return true; }).back()->group(section.title);
+    }
 }
 
 int failed(const std::exception& problem, ExitCode code) {

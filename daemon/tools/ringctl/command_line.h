@@ -44,21 +44,20 @@ void add_new(CLI::App& app, Context& context);
 void add_check(CLI::App& app, Context& context);
 void add_up(CLI::App& app, Context& context);
 void add_down(CLI::App& app, Context& context);
-void add_list(CLI::App& app, Context& context);
+void add_wait(CLI::App& app, Context& context);
 void add_status(CLI::App& app, Context& context);
 void add_log(CLI::App& app, Context& context);
-void add_wait(CLI::App& app, Context& context);
+void add_view(CLI::App& app, Context& context);
+void add_traffic(CLI::App& app, Context& context);            ///< show, events, why, judge, again
+void add_traffic_judge(CLI::App& traffic, Context& context);  ///< below `traffic`
+void add_record(CLI::App& app, Context& context);             ///< save, keep, check
 void add_send(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);
 void add_interrupt(CLI::App& app, Context& context);
 void add_reset(CLI::App& app, Context& context);
 void add_stop(CLI::App& app, Context& context);
 void add_resume(CLI::App& app, Context& context);
-void add_clock(CLI::App& app, Context& context);    ///< pace, pause, step, run, sync
-void add_traffic(CLI::App& app, Context& context);  ///< show, events, why, again
-void add_view(CLI::App& app, Context& context);
-void add_judge(CLI::App& app, Context& context);
-void add_record(CLI::App& app, Context& context);  ///< save, keep, check
+void add_clock(CLI::App& app, Context& context);  ///< pace, pause, step, run, sync
 void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
 void add_scenario_list(CLI::App& scenario, Context& context);    ///< below `scenario`

@@ -101,7 +101,7 @@ void print_end(const promises::JudgeCounts& counts, const std::vector<live::Prom
             << verdict(counts, unwatched.size()) << std::endl;
 }
 
-/// One run of `ringctl judge`, from its start to the end of the ring or of the user's patience.
+/// One run of `ringctl traffic judge`, from its start to the end of the ring or of the user's patience.
 class JudgeRun {
  public:
   JudgeRun(const RingAccess& ring, const JudgeOptions& options)
@@ -187,10 +187,10 @@ int run(const Context& context, const JudgeOptions& options) {
 
 }  // namespace
 
-void add_judge(CLI::App& app, Context& context) {
+void add_traffic_judge(CLI::App& traffic, Context& context) {
   auto options = std::make_shared<JudgeOptions>();
   CLI::App* command =
-      add_command(app, "judge", "Judge the promises of a living ring", "ringctl judge leg8 --for 60",
+      add_command(traffic, "judge", "Judge the promises of a living ring", "ringctl traffic judge leg8 --for 60",
                   "Runs until Ctrl-C, or until the ring is taken down. The promises: a packet that is delivered has "
                   "arrived once and in order; every send has one result; a pin is pulled once; no packet circles for "
                   "ever. Prints a line for each broken promise. Exits with 1 if one was broken, or if a node could not "

@@ -31,7 +31,7 @@ using std::chrono::steady_clock;
 struct StatusOptions {
   std::string ring;
   double interval_s = 1;
-  bool json = false, all = false, pids = false, watch = false, once = false, fields = false;
+  bool json = false, all = false, pids = false, watch = false, once = false, fields = false, rings = false;
 };
 
 void drop_zeros(std::map<std::string, std::uint64_t>& counters) {
@@ -155,6 +155,10 @@ int run(const Context& context, const StatusOptions& options) {
     std::cout << status::members_of_row();
     return kDone;
   }
+  if (options.rings) {
+    require_no_ring(context, "--rings shows all rings");
+    return show_rings(options.json);
+  }
   if (options.watch && options.json && !options.once) throw UsageError("--watch --json goes with --once");
   return options.watch ? watch(context, options) : show_once(context, options);
 }
@@ -163,10 +167,13 @@ int run(const Context& context, const StatusOptions& options) {
 
 void add_status(CLI::App& app, Context& context) {
   auto options = std::make_shared<StatusOptions>();
-  CLI::App* command =
-      add_command(app, "status", "Show all nodes, once or again and again (--watch)", "ringctl status leg8 --watch",
-                  "A node without a daemon is 'down'. If its daemon is stopped by a signal, it is 'frozen'. If its "
-                  "daemon lives and does not answer, it is 'unanswered'.");
+  CLI::App* command = add_command(
+      app, "status", "Show all nodes of a ring, or all rings (--rings)", "ringctl status leg8 --watch",
+      "A node without a daemon is 'down'. If its daemon is stopped by a signal, it is 'frozen'. If its "
+      "daemon lives and does not answer, it is 'unanswered'.\n"
+      "--rings prints for each ring: nodes, how many of them run on this machine; host, which of the ring's "
+      "hosts this machine is; clock, live or virtual; of a virtual ring also its time, its pace, and how far "
+      "it is behind.");
   command->add_option("RING", options->ring, "Name of the ring; default: as --ring");
   CLI::Option* watch =
       command->add_flag("-w,--watch", options->watch, "Draw it again and again, with rates, load and errors; q ends");
@@ -175,6 +182,8 @@ void add_status(CLI::App& app, Context& context) {
       ->needs(watch);
   command->add_flag("--once", options->once, "Print the rates of one interval, and end")->needs(watch);
   command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too")->excludes(watch);
+  CLI::Option* rings = command->add_flag("--rings", options->rings, "Show all rings of this user instead of one");
+  for (const char* other : {"RING", "--watch", "--pids"}) rings->excludes(command->get_option(other));
   add_json(*command, options->json);
   command->add_flag("--fields", options->fields, "What the members of --json mean, as a table, and end");
   command->add_flag("-a,--all", options->all, "With --json: counters that are zero, too")->excludes(watch);

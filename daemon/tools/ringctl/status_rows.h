@@ -65,6 +65,9 @@ void add_verdicts(Rows& rows);
 std::string supervision_text(const Rows& rows);
 ///@}
 
+/// `ringctl status --rings`: prints a table, or JSON, of all rings of this user. @return an ExitCode
+int show_rings(bool as_json);
+
 struct StatusStyle {
   std::size_t width = std::string::npos;  ///< columns there are; names are shortened to fit
   bool pids = false;                      ///< process numbers too

@@ -630,11 +630,12 @@ void add_traffic_again(CLI::App& app, Context& context) {
 }  // namespace
 
 void add_traffic(CLI::App& app, Context& context) {
-  CLI::App& traffic = add_group(app, "traffic", "Show packets and events, explain delays, send again",
+  CLI::App& traffic = add_group(app, "traffic", "Show packets, explain delays, judge promises, send again",
                                 "ringctl traffic show left_knee -d");
   add_traffic_show(traffic, context);
   add_traffic_events(traffic, context);
   add_traffic_why(traffic, context);
+  add_traffic_judge(traffic, context);
   add_traffic_again(traffic, context);
 }
 

@@ -42,7 +42,7 @@ void add_view(CLI::App& app, Context& context) {
   command->add_option("--port", options->port, "TCP port, 0 to 65535; default 0: any that is free")
       ->transform(cli::whole(0, 65535));
   command->add_option("--address", options->address,
-                      "Address of this host to listen at, in numbers; default 127.0.0.1: for this host alone");
+                      "Address of this host to listen at, in numbers; default 127.0.0.1: only this host");
   command->callback([&context, options] {
     context.action = [&context, options] {
       options->ring = choose_ring(options->ring, context.ring);

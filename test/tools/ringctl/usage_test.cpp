@@ -86,12 +86,15 @@ TEST_F(Usage, OnAnotherHostTheRingIsNamedOnce) {
 
 TEST_F(Usage, ARingIsNamedOnceByItsArgumentOrByTheOption) {
   for (const char* command : {"status", "judge"}) {
-    const CliRun two = ringctl({"--ring", "arm", command, "leg"});
+    std::vector<std::string> words{command, "leg"};
+    if (words[0] == "judge") words.insert(words.begin(), "traffic");
+    const CliRun none = ringctl(words);
+    EXPECT_EQ(none.code, kNoRing) << command;
+    EXPECT_THAT(none.errors, HasSubstr("ring leg does not run")) << command;
+    words.insert(words.begin(), {"--ring", "arm"});
+    const CliRun two = ringctl(words);
     EXPECT_EQ(two.code, kUsage) << command;
     EXPECT_THAT(two.errors, HasSubstr("RING and --ring name two rings")) << command;
-    const CliRun none = ringctl({command, "no-such-ring"});
-    EXPECT_EQ(none.code, kNoRing) << command;
-    EXPECT_THAT(none.errors, HasSubstr("ring no-such-ring does not run")) << command;
   }
 }
 
@@ -148,6 +151,25 @@ TEST_F(Usage, OnlyStatusThatIsWatchedHasAnInterval) {
   EXPECT_THAT(ringctl({"status", "--watch", "--json"}).errors, HasSubstr("--once"));
 }
 
+TEST_F(Usage, OfAllRingsNoSingleOneIsNamed) {
+  EXPECT_EQ(ringctl({"status", "--rings"}).out, "no ring is running\n");
+  EXPECT_THAT(ringctl({"--ring", "leg", "status", "--rings"}).errors,
+              HasSubstr("--rings shows all rings; leave it out"));
+  for (const char* other : {"leg", "--watch", "--pids"})
+    EXPECT_EQ(ringctl({"status", "--rings", other}).code, kUsage) << other;
+}
+
+TEST_F(Usage, HelpListsTheCommandsInSectionsByWhatTheyAreFor) {
+  const std::string help = ringctl({"--help"}).out;
+  std::size_t at = 0;
+  for (const char* part : {"Start and end a ring:\n  new ", "Look at it:\n  status ", "Act on it:\n  send ",
+                           "Break and test it:\n  fault ", "For several hosts and for nodes of your own:\n  hosts "}) {
+    const std::size_t found = help.find(part, at);
+    ASSERT_NE(found, std::string::npos) << part << help;
+    at = found;
+  }
+}
+
 TEST_F(Usage, FactorsAndInputsEndAtSeven) {
   EXPECT_EQ(ringctl({"interrupt", "--from", "0", "--to", "1", "8"}).code, kUsage);
   EXPECT_EQ(ringctl({"interrupt", "--from", "0", "--input", "8"}).code, kUsage);
@@ -168,7 +190,7 @@ TEST_F(Usage, AFolderOfAnotherUserIsNotTakenForOneWithoutRings) {
 }
 
 TEST_F(Usage, RingThatDoesNotRunIsNamed) {
-  for (const char* command : {"status", "judge", "stop", "down"}) {
+  for (const char* command : {"status", "stop", "down"}) {
     const CliRun said = ringctl({command, "--ring", "legs"});
     EXPECT_EQ(said.code, kNoRing) << command;
     EXPECT_THAT(said.errors, HasSubstr("ring legs")) << command;

@@ -1,16 +1,14 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "limb_ring/ring_directory.h"
 #include "ring/ring_files.h"
 #include "tools/common/text_table.h"
-#include "tools/ringctl/command_line.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/ring_folder.h"
 #include "tools/ringctl/screen.h"
+#include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -40,7 +38,9 @@ std::string words_of(const nlohmann::json& hosts) {
   return hosts["host"].get<std::string>() + " (of " + all + ")";
 }
 
-int run(bool as_json) {
+}  // namespace
+
+int show_rings(bool as_json) {
   tell_unreadable_rings();
   for (const std::string& folder : live::ring_folders()) tell_unreadable(folder);
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
@@ -66,24 +66,6 @@ int run(bool as_json) {
   else
     std::cout << (all.empty() ? "no ring is running\n" : app::text_table(rows)) << std::flush;
   return kDone;
-}
-
-}  // namespace
-
-void add_list(CLI::App& app, Context& context) {
-  auto as_json = std::make_shared<bool>(false);
-  CLI::App* command =
-      add_command(app, "list", "Show all rings of this user", "ringctl list",
-                  "nodes: how many of its nodes run on this machine. host: which of the ring's hosts this "
-                  "machine is. clock: live or virtual; of a virtual ring also its time, its pace, and how far it is "
-                  "behind.");
-  add_json(*command, *as_json);
-  command->callback([&context, as_json] {
-    context.action = [&context, as_json] {
-      require_no_ring(context, "all rings are listed");
-      return run(*as_json);
-    };
-  });
 }
 
 }  // namespace limb_ring::ringctl
