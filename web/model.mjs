@@ -50,7 +50,7 @@ export function number(value) {
 /** The time of an event: of the day, or of a virtual ring's clock, which begins at 0. */
 export function timeText(ns) {
   if (ns == null) return '';
-  if (ns < 1e17) return (ns / 1e9).toFixed(3) + ' s';
+  if (ns < 1e17) return (ns / 1e9).toFixed(6) + ' s';
   const at = new Date(ns / 1e6), two = (n) => String(n).padStart(2, '0');
   return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}.${String(at.getMilliseconds()).padStart(3, '0')}`;
 }
@@ -117,7 +117,7 @@ function rowsLayout(count, width) {
     const b = nodes[(i + 1) % count], last = i === count - 1;
     const x = last ? left : (a.x + b.x) / 2, y = last ? (bottom + nodes[0].y) / 2 : (a.y + b.y) / 2;
     const turn = last ? -90 : (Math.atan2(b.y - a.y, b.x - a.x) * 180) / Math.PI;
-    return { x, y, turn, label: { x, y: y - 8 } };
+    return { x, y, turn, label: { x, y: y - 16 } };
   });
   const full = margin * 2 + columns * (boxWidth + gapX) - gapX;
   return { shape: 'rows', small, width: full, height: bottom + 8, boxWidth, boxHeight, letters: small ? 13 : 14, nodes, lines: way(0), second: way(5), middles };

@@ -22,7 +22,13 @@ export class RingPicture {
     new ResizeObserver(() => this.ring && this.fit()).observe(parent);
   }
 
-  setRing(ring) { this.ring = ring; this.width = 0; this.fit(); }
+  setRing(ring) {
+    this.ring = ring;
+    this.status = null; // it is of the ring before
+    this.current = Math.min(this.current, ring.nodes.length - 1);
+    this.width = 0;
+    this.fit();
+  }
 
   fit() {
     const width = Math.max(300, this.parent.clientWidth);
@@ -47,7 +53,8 @@ export class RingPicture {
 
   drawLine(place, i) {
     const middle = place.middles[i];
-    const group = make('g', {}, make('path', { class: 'line', d: place.lines[i] }),
+    // A node's label and details say the same of its line out.
+    const group = make('g', { 'aria-hidden': 'true' }, make('path', { class: 'line', d: place.lines[i] }),
       make('path', { class: 'arrow', d: 'M-5 -5 L6 0 L-5 5 Z', transform: `translate(${middle.x} ${middle.y}) rotate(${middle.turn})` }),
       make('path', { class: 'hit', d: place.lines[i] }, make('title')),
       make('text', { class: 'load halo', x: middle.label.x, y: middle.label.y + 4 }));
@@ -56,8 +63,8 @@ export class RingPicture {
   }
 
   drawBreak(middle) {
-    return make('g', { class: 'break', transform: `translate(${middle.x} ${middle.y})` },
-      make('path', { d: 'M-8 -8 L8 8 M8 -8 L-8 8' }), make('text', { class: 'halo', y: -12 }));
+    return make('g', { class: 'break', 'aria-hidden': 'true', transform: `translate(${middle.x} ${middle.y})` },
+      make('path', { d: 'M-8 -8 L8 8 M8 -8 L-8 8' }), make('text', { class: 'halo', x: middle.label.x - middle.x, y: middle.label.y - middle.y + 4 }));
   }
 
   drawNode(place, node, i) {
@@ -65,7 +72,7 @@ export class RingPicture {
     const group = make('g', { class: 'node off', role: 'button', tabindex: i === this.current ? 0 : -1, transform: `translate(${x} ${y})` },
       make('rect', { class: 'box', x: -width / 2, y: -height / 2, width, height, rx: 7 }),
       make('text', { class: 'name', 'text-anchor': 'middle', y: -3 }, shortened(node.name, place.letters)),
-      make('text', { class: 'word', 'text-anchor': 'middle', y: height / 2 - 7 }, 'is asked'), make('text', { class: 'fault', x: width / 2 - 4, y: -height / 2 + 5, 'text-anchor': 'middle' }), make('title', {}, node.name));
+      make('text', { class: 'word', 'text-anchor': 'middle', y: height / 2 - 7 }, 'is asked'), make('text', { class: 'fault halo', x: width / 2 - 3, y: -height / 2 + 6, 'text-anchor': 'middle' }), make('title', {}, node.name));
     group.addEventListener('click', () => { this.focus(i); this.choose({ node: i }); });
     group.addEventListener('keydown', (event) => this.key(event, i));
     return group;
@@ -95,8 +102,8 @@ export class RingPicture {
     const bypasses = [];
     this.ring.nodes.forEach((node, i) => {
       const row = status.rows[i], next = this.ring.nodes[(i + 1) % this.ring.nodes.length];
-      this.updateNode(node, row, i, chosen?.node === i);
       const line = lineCondition(row, next, status.broken_line);
+      this.updateNode(node, row, i, chosen?.node === i, line.kind === 'broken' ? `, line to ${next.name} ${line.word}` : '');
       this.updateLine(i, line, row, `${node.name} to ${next.name}`);
       if (line.bypass != null && row.state !== 'down') bypasses.push([i, this.ring.nodes.findIndex((one) => one.id === line.bypass)]);
       if (this.second[i]) this.second[i].classList.toggle('used', this.secondUsed(row, status.rows[(i + 1) % status.rows.length]));
@@ -107,10 +114,10 @@ export class RingPicture {
   secondUsed(row, next) { return row?.state === 'folded' && next?.state === 'folded' && !this.isBroken(row, next); }
   isBroken(row, next) { const broken = this.status.broken_line; return broken && broken.before === row.id && broken.behind === next.id; }
 
-  updateNode(node, row, i, selected) {
+  updateNode(node, row, i, selected, line) {
     const group = this.nodes[i], condition = nodeCondition(row);
     set(group, 'class', `node ${condition.kind}${selected ? ' selected' : ''}`);
-    set(group, 'aria-label', `${node.name}: ${row?.state ?? 'unknown'}, ${condition.word}${row?.faults?.length ? ', ' + row.faults.map((fault) => fault.fault).join(', ') : ''}`);
+    set(group, 'aria-label', `${node.name}: ${row?.state ?? 'unknown'}, ${condition.word}${row?.faults?.length ? ', ' + row.faults.map((fault) => fault.fault).join(', ') : ''}${line}`);
     set(group, 'aria-pressed', selected);
     say(group.querySelector('.word'), `${condition.sign} ${condition.word}`);
     say(group.querySelector('.fault'), row?.faults?.length ? '⚡' : '');

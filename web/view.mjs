@@ -19,7 +19,7 @@ function element(name, attributes = {}, ...children) {
 const page = { control: false, ring: null, status: null, chosen: null, before: null, log: new Map() };
 const strip = new Strip(by('strip'), by('strip-text'));
 const graphs = new JointGraphs(by('joints'), by('joints-title'));
-const picture = new RingPicture(by('picture'), choose);
+const picture = new RingPicture(by('picture'), chooseInPicture);
 
 async function order(...words) {
   say(by('said'), `ringctl ${words.join(' ')} ...`);
@@ -32,7 +32,13 @@ function choose(what) {
   page.before = null;
   graphs.show(what?.node != null ? page.ring.nodes[what.node].id : null);
   if (page.status) picture.update(page.status, page.chosen);
-  details();
+  return details();
+}
+
+/** On a phone the details are far below the picture. */
+async function chooseInPicture(what) {
+  await choose(what);
+  by('details').scrollIntoView({ block: 'nearest' });
 }
 
 const button = (text, ...words) => element('button', { 'data-order': words.join(' '), onclick: () => order(...words) }, text);
@@ -78,7 +84,7 @@ function nodeDetails(node, row, full, place, log) {
     ['State', row.state + (row.unanswered ? ': ' + row.unanswered : '')], ['Condition', nodeCondition(row).word],
     ['CPU', [row.cpu, cpu.kind, cpu.boots != null ? `boot ${cpu.boots}` : ''].filter(Boolean).join(', ')],
     ['Last exit', cpu.last_exit], ['Last reset', cpu.last_reset],
-    ['Stop', cpu.stop?.latched ? 'latched' : cpu.stop?.pulled ? `pulled ${cpu.stop.pulled} times` : ''],
+    ['Stop', cpu.stop?.latched ? 'latched' : cpu.stop?.pulled ? `pulled ${cpu.stop.pulled} time${cpu.stop.pulled === 1 ? '' : 's'}` : ''],
     ['Faults', (row.faults ?? []).map((fault) => fault.fault).join('; ')],
     ['Line out', full?.output ? `${full.output.state} to ${nameOf(full.output.to)}, ${loadText(row)}` : ''],
     ['Line in', full?.input ? `${full.input.state} from ${nameOf(full.input.from)}` : ''],
@@ -130,8 +136,8 @@ const take = {
     strip.setRing(message);
     graphs.setRing(message);
     picture.setRing(message);
-    if (page.chosen) choose(page.chosen);
-    else details();
+    const { node, line } = page.chosen ?? {};
+    choose(Math.max(node ?? 0, line ?? 0) < message.nodes.length ? page.chosen : null); // another ring may be smaller
   },
   status(message) {
     if (!page.ring) return;
@@ -167,7 +173,7 @@ const take = {
 function clock(state) {
   by('clock').hidden = !state || !page.control;
   if (!state) return;
-  say(by('headline'), `${by('headline').textContent}; ring's time ${state.now_s.toFixed(3)} s${state.paused ? ', paused' : ''}`);
+  say(by('headline'), `${by('headline').textContent}; ring's time ${state.now_s.toFixed(state.pace < 0.01 ? 6 : 3)} s${state.paused ? ', paused' : ''}`);
   say(by('pause'), state.paused ? 'Go on' : 'Pause');
   if (document.activeElement !== by('pace')) by('pace').value = String(state.pace);
 }

@@ -36,6 +36,12 @@ class Page(ViewTest):
         self.view()
         self.in_browser('read_only')
 
+    @unittest.skipUnless(CHROMIUM and has_playwright(), 'chromium or playwright-core is not installed')
+    def test_on_a_phone_what_is_chosen_comes_into_view(self):
+        self.start_ring(plain_nodes(5))
+        self.view()
+        self.in_browser('phone')
+
 
 if __name__ == '__main__':
     ring_process.main()

@@ -26,6 +26,7 @@ const all = {
     // A click that lasts longer than from one status to the next.
     await page.locator('#details button', { hasText: 'Cut line to node3' }).click({ delay: 1500 });
     await page.locator('svg .break.seen text', { hasText: 'cut' }).waitFor();
+    await node('node2').and(page.locator('[aria-label$="line to node3 cut"]')).waitFor(); // what a screen reader says
     await headline(/open chain|broken/i);
     await page.locator('#events li', { hasText: 'open_chain' }).first().waitFor();
     await page.locator('#details li', { hasText: 'up -> open_chain' }).first().waitFor();
@@ -33,6 +34,18 @@ const all = {
     await headline('5 of 5 nodes up');
     await page.locator('svg .break.seen').waitFor({ state: 'detached' });
     assert.equal(await page.locator('svg .node.good').count(), 5);
+  },
+  async phone() {
+    await page.setViewportSize({ width: 390, height: 844 });
+    await headline('5 of 5 nodes up');
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+    await node('node1').click();
+    await page.locator('#details h2', { hasText: 'node1' }).waitFor();
+    await page.waitForFunction(() => document.getElementById('details').getBoundingClientRect().top < innerHeight / 2);
+    // Beside each other, they stay apart: the details cover no events.
+    await page.setViewportSize({ width: 1200, height: 500 });
+    await page.locator('#log').scrollIntoViewIfNeeded();
+    assert.ok(await page.evaluate(() => document.getElementById('details').getBoundingClientRect().bottom <= document.getElementById('log').getBoundingClientRect().top));
   },
   async playground() {
     await headline('humanoid16: 16 of 16 nodes up');
@@ -45,6 +58,11 @@ const all = {
     await headline('a line is broken');
     await page.locator('svg .break.seen text', { hasText: 'cut' }).waitFor();
     await page.locator('#clear').click();
+    await headline('16 of 16 nodes up');
+    await page.selectOption('#ring', 'plain4'); // which has no node in the place of the one that is chosen
+    await headline('4 of 4 nodes up');
+    await node('node3').click();
+    await page.selectOption('#ring', 'humanoid16');
     await headline('16 of 16 nodes up');
     await page.locator('#run-case').click();
     await page.locator('#case-text', { hasText: 'measured 75.264 us' }).waitFor();

@@ -48,7 +48,7 @@ test('the load is a share where the line has a rate, else bytes', () => {
 });
 
 test('a virtual clock begins at 0, another one in 1970', () => {
-  assert.equal(timeText(1_500_000_000), '1.500 s');
+  assert.equal(timeText(1_500_012_000), '1.500012 s');
   assert.match(timeText(1763757352123000000), /^\d\d:\d\d:\d\d\.123$/);
   assert.equal(timeText(undefined), '');
 });
