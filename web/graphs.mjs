@@ -45,8 +45,9 @@ export class Strip {
     const counts = kinds.map(([word], kind) => this.packets.filter((packet) => packet[3] === kind).length + ' ' + word);
     const damaged = this.packets.filter((packet) => packet[6]).length;
     const at = this.ring.nodes.find((node) => node.id === message.at)?.name ?? message.at;
-    const part = message.sample > 1 ? `1 of ${message.sample}, of ${number(message.rate)} a second` : `${number(message.rate)} a second`;
-    const text = `Into ${at}, ${part}: ${counts.join(', ')} (▲)` + (damaged ? `, ${damaged} of them damaged (✕)` : '');
+    const part = message.sample > 1 ? `1 of ${message.sample}, of ` : '';
+    const rate = message.rate > 0 ? `, ${part}${number(message.rate)} a second` : ''; // 0: not measured yet
+    const text = `Into ${at}${rate}: ${counts.join(', ')} (▲)` + (damaged ? `, ${damaged} of them damaged (✕)` : '');
     if (this.text.textContent !== text) this.text.textContent = text;
   }
 

@@ -38,7 +38,8 @@ function choose(what) {
 /** On a phone the details are far below the picture. */
 async function chooseInPicture(what) {
   await choose(what);
-  by('details').scrollIntoView({ block: 'nearest' });
+  const below = by('details').getBoundingClientRect().top >= by('picture').getBoundingClientRect().bottom;
+  if (below) by('details').scrollIntoView({ block: 'nearest' });
 }
 
 const button = (text, ...words) => element('button', { 'data-order': words.join(' '), onclick: () => order(...words) }, text);
