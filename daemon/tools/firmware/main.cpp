@@ -1,4 +1,6 @@
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iostream>
@@ -13,7 +15,47 @@
 #include "tools/firmware/fault_command.h"
 #include "tools/firmware/options.h"
 #include "tools/firmware/simulated_limb.h"
-#include "tools/firmware/stop_signal.h"
+
+namespace limb_ring::firmware {
+namespace {
+
+volatile std::sig_atomic_t requested = 0;
+
+void on_signal(int) { requested = 1; }
+
+/// Notes SIGTERM and SIGINT.
+void catch_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+bool stop_requested() { return requested != 0; }
+
+void ignore_signals() {
+  sigset_t all;
+  sigfillset(&all);
+  sigprocmask(SIG_BLOCK, &all, nullptr);
+}
+
+/// Does nothing for ever, as a CPU that hangs. Only SIGKILL ends it.
+[[noreturn]] void hang() {
+  ignore_signals();
+  for (;;) pause();
+}
+
+/// Goes round and round, as a program with a bug. Only SIGKILL ends it.
+[[noreturn]] void loop_endlessly() {
+  ignore_signals();
+  for (volatile bool forever = true; forever;) {
+  }
+  std::abort();  // not reached
+}
+
+}  // namespace
+}  // namespace limb_ring::firmware
 
 namespace {
 

@@ -1,5 +1,3 @@
-#include "tools/ring_sim/plan.h"
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
@@ -18,6 +16,29 @@
 #include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::ring_sim {
+
+/// What `ring_sim plan` has found out.
+struct PlanReport {
+  config::RingConfig ring;  ///< every line has a rate
+  bool assumed = false;     ///< ... and not all of them from the file
+  std::vector<study::Stream> streams;
+  study::Plan plan;
+  std::vector<study::StreamRun> runs;  ///< empty: not simulated
+  std::uint64_t seed = 0;
+  study::Duration duration{0};
+
+  bool kept() const;
+};
+
+/// A row for each stream, for programs. Times in us.
+std::vector<app::Row> stream_rows(const PlanReport& report);
+std::vector<app::Row> node_rows(const PlanReport& report);
+/// The same for people: what fits into 80 columns, with one row for all beacons.
+std::vector<app::Row> short_stream_rows(const PlanReport& report);
+std::vector<app::Row> short_node_rows(const PlanReport& report);
+/// Everything, for programs.
+app::Row plan_object(const PlanReport& report);
+
 namespace {
 
 constexpr const char* kSimulated = "1s";
