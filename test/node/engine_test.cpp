@@ -70,12 +70,12 @@ TEST_F(TwoEngines, APacketIsUnderWayInPumpAroundHoweverLongItTakes) {
   send.token = 1;
   send.destination = 1_id;
   send.data = {data.data(), data.size()};
-  sender.controller().send(send, sender.now());
+  sender.controller().apply(core::input::Send{send}, sender.now());
   sender.pump_around([&](core::Time now) {
     const auto enough = std::chrono::milliseconds(10);  // the packet passes in 4.2 ms
     const auto end = std::chrono::steady_clock::now() + enough;
     while (std::chrono::steady_clock::now() < end) std::this_thread::yield();
-    sender.controller().interrupt({kOwner, 2, 1_id, wire::Factor{0}}, now);
+    sender.controller().apply(core::input::Interrupt{{kOwner, 2, 1_id, wire::Factor{0}}}, now);
   });
 
   ASSERT_TRUE(until([&] { return seen_[0].tokens.size() == 2; }));
