@@ -333,6 +333,14 @@ void Node::beacons(Time now) {
   data_.queues[0].push_back(send);
 }
 
+/// The next period begins, whether a beacon can be said now or not. (protocol.md sections 8.2 and 8.12)
+void Node::beacon_period_over(Time now) {
+  look_for_folds(now);
+  if (may_say_beacon()) return;  // beacons() says it, and begins the period
+  if (beacon_out_) want_beacon();
+  beacon_at_ = now + settings_.beacon + beacon_takes_longer();
+}
+
 // ---- time ---------------------------------------------------------------------------------------------
 
 void Node::membership_timers(Time now) {
@@ -351,13 +359,11 @@ void Node::membership_timers(Time now) {
     new_hello_wanted_ = true;
   }
   if (hello_due_ <= now) hello_again(now);
-  if (beacon_at_ <= now) look_for_folds(now);
+  if (beacon_at_ <= now) beacon_period_over(now);
   new_hello_when_due(now);
   beacons(now);
 }
 
-Time Node::membership_deadline() const {
-  return std::min({break_at_, drained_at_, hello_due_, may_say_beacon() ? beacon_at_ : kNever});
-}
+Time Node::membership_deadline() const { return std::min({break_at_, drained_at_, hello_due_, beacon_at_}); }
 
 }  // namespace limb_ring::model

@@ -288,6 +288,7 @@ class Node : private BehindFold {
   bool may_say_beacon() const;
   Duration beacon_takes_longer() const;
   void beacons(Time now);
+  void beacon_period_over(Time now);
   wire::Beacon beacon_now(Time now) const;
   void new_hello_when_due(Time now);
   bool both_up() const { return in_.up && out_.up; }

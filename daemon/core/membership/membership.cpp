@@ -367,9 +367,9 @@ void Membership::send_beacon_along(Time now) {
 }
 
 void Membership::send_beacon(Time now) {
+  if (hello_under_way() || !accepts_sends()) return;
   beacon_.wanted = false;
   timers_.start(Timer::beacon, now + beacon_period_);
-  if (hello_under_way() || !accepts_sends()) return;
   beacon_.out = true;
   std::array<std::uint8_t, wire::kLongBeaconSize> bytes;
   const std::size_t size = wire::encode(beacon(now), bytes.data());
