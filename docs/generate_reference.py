@@ -1,11 +1,13 @@
 #!/usr/bin/python3
-"""Writes the pages of docs/reference that programs, launch files and docstrings know better.
+"""Writes the pages of docs/reference that programs, launch files and docstrings know better, and all that tells of the
+fields of control messages as daemon/wire/control_message.h lists them: tables of docs/protocol.md, the dissector, sizes.
 
 usage: generate_reference.py --programs FOLDER [--check]
   --programs  folder with the programs; the Python package must be found by PYTHONPATH
   --check     writes nothing; ends with 1 where a page is not what would be written
 """
 import argparse
+import collections
 import inspect
 import os
 import re
@@ -175,6 +177,130 @@ def python_page():
     return page.rstrip() + '\n'
 
 
+# ---- control messages -----------------------------------------------------------------------------
+
+MESSAGES = os.path.join('daemon', 'wire', 'control_message.h')
+SIZES = {'std::uint8_t': 1, 'std::uint16_t': 2, 'std::uint32_t': 4, 'std::uint64_t': 8, 'bool': 1, 'NodeId': 1,
+         'CpuState': 1, 'LinkState': 1, 'FoldWordKind': 1}
+TYPES = {'hello': 1, 'beacon': 2}
+Field = collections.namedtuple('Field', 'at size type name title value')
+
+
+def read(path):
+    with open(os.path.join(ROOT, path), encoding='utf-8') as file:
+        return file.read()
+
+
+def columns(row):
+    """What stands between the commas of a row, texts joined and without quotes."""
+    cells = re.findall(r'\s*(?:"[^"]*"\s*)+|[^,]+', row)
+    return [''.join(re.findall(r'"([^"]*)"', cell)) if '"' in cell else cell.strip() for cell in cells if cell.strip()]
+
+
+def fields_of(name, at=0, prefix=''):
+    """The fields of a list of MESSAGES, those of a struct in it one by one. @param at: offset of the first"""
+    lines = re.search(r'#define LIMB_RING_%s\(X\)((?:[^\n]*\\\n)*[^\n]*)\n' % name, read(MESSAGES)).group(1)
+    fields = []
+    for row in re.split(r'\bX\(', lines.replace('\\\n', ' '))[1:]:
+        kind, member, _, title, value, *_ = columns(row.strip()[:-1]) + ['', '']
+        if kind in SIZES:
+            fields.append(Field(at, SIZES[kind], kind, prefix + member, title, value))
+        else:
+            fields += fields_of(re.sub(r'(?<=[a-z])(?=[A-Z])', '_', kind).upper(), at, prefix + member + '_')
+        at = fields[-1].at + fields[-1].size
+    return fields
+
+
+def end_of(fields):
+    return fields[-1].at + fields[-1].size
+
+
+def messages():
+    """Per control message, its parts: all but the first are there if they say something."""
+    hello, beacon = fields_of('HELLO', 1), fields_of('BEACON', 1)
+    return {'hello': [hello], 'beacon': [beacon, fields_of('BEACON_LATCHED', end_of(beacon))]}
+
+
+def field_table(fields, kind=None):
+    rows = ['| 0 | 1 | type | %d |' % kind] if kind else []
+    rows += ['| %d | %d | %s | %s |' % (one.at, one.size, one.title, one.value) for one in fields]
+    return '\n| offset | bytes | field | value |\n|---|---|---|---|\n' + '\n'.join(rows) + '\n\n'
+
+
+def states_of(name):
+    body = re.search(r'enum class %s[^{;]*\{(.*?)\}' % name, read(MESSAGES), re.DOTALL).group(1)
+    return re.findall(r'\w+', re.sub(r'//.*', '', body))
+
+
+def snake(name):
+    return re.sub(r'(?<=[a-z])(?=[A-Z])', '_', name).lower() + 's'
+
+
+def filter_of(message, field):
+    """The name of a field in the dissector, without its unit. What all messages have belongs to none of them."""
+    name = re.sub(r'_[mn]s$', '', field.name)
+    return name if name == 'boot' else message + '.' + name
+
+
+def dissected(message, field):
+    unit = re.search(r'_([mn]s)$', field.name)
+    unit = ' (node)' if field.type == 'NodeId' else ' (%s)' % unit.group(1) if unit else ''
+    kind = {'std::uint16_t': 'uint16', 'std::uint32_t': 'uint32', 'std::uint64_t': 'uint64', 'bool': 'bool'}.get(field.type, 'uint8')
+    words = ', base.DEC, %s' % snake(field.type) if field.type.endswith('State') else ''
+    label = field.title[0].upper() + field.title[1:] + unit
+    return 'field("%s", ProtoField.%s, "%s"%s)\n' % (filter_of(message, field), kind, label, words)
+
+
+def dissector_part():
+    text = ''.join('local %s = {[0] = %s}\n' % (snake(name), ', '.join('"%s"' % state for state in states_of(name)))
+                   for name in ('CpuState', 'LinkState'))
+    text += 'local control_types = {%s}\n' % ', '.join('[%d] = "%s"' % (TYPES[name], name) for name in TYPES)
+    text += 'field("control", ProtoField.uint8, "Control message", base.DEC, control_types)\n'
+    lists = sizes = ''
+    declared = []
+    for name, parts in messages().items():
+        all_fields = sum(parts, [])
+        declared += [line for line in (dissected(name, one) for one in all_fields) if line not in declared]
+        lists += '  [%d] = {\n%s  },\n' % (TYPES[name], ''.join(
+            '    {"%s", %d},\n' % (filter_of(name, one), one.size) for one in all_fields))
+        sizes += '%s[%d] = {%s}' % (', ' if sizes else '', TYPES[name],
+                                    ', '.join('[%d] = true' % end_of(part) for part in parts))
+    return '%slocal control_fields = {\n%s}\nlocal control_sizes = {%s}\n' % (text + ''.join(declared), lists, sizes)
+
+
+def told_parts():
+    """Per file and name of the part in it, what stands there."""
+    parts, fold = messages(), fields_of('FOLD_WORD')
+    (hello,), (short, latched) = parts['hello'], parts['beacon']
+    page = os.path.join('docs', 'protocol.md')
+    return {(page, 'hello'): field_table(hello, TYPES['hello']),
+            (page, 'beacon'): field_table(short, TYPES['beacon']),
+            (page, 'beacon, latched'): field_table(latched),
+            (page, 'fold word'): field_table(fold + fields_of('FOLD_CHECK', end_of(fold))),
+            (os.path.join('wireshark', 'limb_ring.lua'), 'control messages'): dissector_part(),
+            (os.path.join('tiny_node', 'src', 'tiny_node.c'), 'sizes'):
+                '  HELLO_SIZE = %d,\n  BEACON_SIZE = %d,\n  BEACON_WITH_LATCH = %d,\n' % tuple(
+                    map(end_of, (hello, short, latched))),
+            (os.path.join('conform', 'kit', 'wire.py'), 'sizes'):
+                'HELLO_SIZE, BEACON_SIZES = %d, (%d, %d)\n' % tuple(map(end_of, (hello, short, latched)))}
+
+
+def with_part(text, name, part):
+    """The text with what stands between '(name), written by docs/generate_reference.py' and 'end of it' replaced."""
+    between = re.compile(r'(\(%s\), written by docs/generate_reference\.py[^\n]*\n)(.*?)([^\n]*end of it\b)' % name, re.DOTALL)
+    if not between.search(text):
+        raise ValueError('"(%s), written by docs/generate_reference.py" and "end of it" are not there' % name)
+    return between.sub(lambda found: found.group(1) + part + found.group(3), text)
+
+
+def told_files():
+    """Files of which a part is written, as they should be."""
+    texts = {}
+    for (path, name), part in told_parts().items():
+        texts[path] = with_part(texts.get(path) or read(path), name, part)
+    return texts
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument('--programs', required=True)
@@ -182,9 +308,11 @@ def main():
     options = arguments.parse_args()
     pages = {'commands.md': commands_page(options.programs), 'launch.md': launch_page(), 'python.md': python_page(),
              'status.md': status_page(options.programs), 'counters.md': counters_page()}
+    files = {os.path.join('docs', 'reference', name): text for name, text in pages.items()}
+    files.update(told_files())
     stale = []
-    for name, text in pages.items():
-        path = os.path.join(HERE, 'reference', name)
+    for name, text in files.items():
+        path = os.path.join(ROOT, name)
         if options.check:
             old = open(path, encoding='utf-8').read() if os.path.exists(path) else ''
             stale += [name] if old != text else []
@@ -192,7 +320,7 @@ def main():
             with open(path, 'w', encoding='utf-8') as page:
                 page.write(text)
     if stale:
-        print('docs/reference: %s not as the programs say it now; `make docs` writes it' % ', '.join(stale), file=sys.stderr)
+        print('%s: not as the programs and sources say it now; `make docs` writes it' % ', '.join(stale), file=sys.stderr)
     return 1 if stale else 0
 
 

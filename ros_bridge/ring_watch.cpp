@@ -50,13 +50,14 @@ std::string RingWatch::digest() {
                        std::to_string(row.cpu.boots.value_or(0));
   for (const status::Heard& heard : row.heard)
     digest += '\n' + std::to_string(heard.id) + ' ' + std::to_string(heard.boot) + ' ' +
-              std::to_string(heard.cpu_boots) + ' ' + heard.cpu_state + (heard.stop_latched ? " stopped" : "");
+              std::to_string(heard.beacon.cpu_boots) + ' ' + heard.cpu_state() +
+              (heard.beacon.stop_latched ? " stopped" : "");
   return digest;
 }
 
 void RingWatch::notice_boots(const status::NodeRow& own) {
   for (const status::Heard& heard : own.heard)
-    if (boots_.take(heard.id, heard.boot, heard.cpu_boots)) restarted_.push_back(heard.id);
+    if (boots_.take(heard.id, heard.boot, heard.beacon.cpu_boots)) restarted_.push_back(heard.id);
 }
 
 std::vector<NodeStatus> RingWatch::poll() {

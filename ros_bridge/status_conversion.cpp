@@ -67,9 +67,9 @@ void merge_status_row(const status::NodeRow& row, NodeStatus& status) {
 void merge_beacon(const status::Heard& heard, std::chrono::milliseconds fresh, NodeStatus& status) {
   const bool is_heard = heard.age_ms <= fresh.count();
   if (is_heard && status.state == "down") status.state = "up";
-  if (is_heard && status.cpu_state == "unknown") status.cpu_state = heard.cpu_state;
-  if (is_heard && status.pid == 0) status.stopped = heard.stop_latched;
-  if (status.cpu_boots == 0) status.cpu_boots = heard.cpu_boots;
+  if (is_heard && status.cpu_state == "unknown") status.cpu_state = heard.cpu_state();
+  if (is_heard && status.pid == 0) status.stopped = heard.beacon.stop_latched;
+  if (status.cpu_boots == 0) status.cpu_boots = heard.beacon.cpu_boots;
   status.hop = static_cast<std::uint16_t>(heard.hop);
   status.beacon_age = static_cast<double>(heard.age_ms) / 1000;
 }

@@ -17,9 +17,6 @@ local CONTROL, JOINT = 1, 2
 local kinds = {[0] = "DATP", [1] = "INTP"}
 local channels = {[0] = "user", [1] = "control", [2] = "joint", [3] = "topic"}
 local crc_status = {[0] = "Bad", [1] = "Good", [2] = "Unverified"}
-local cpu_states = {[0] = "none", "absent", "booting", "running", "silent", "failed"}
-local link_states = {[0] = "down", "up", "silent", "folded"}
-local control_types = {[1] = "hello", [2] = "beacon"}
 
 local f = {}
 local all = {}
@@ -67,24 +64,54 @@ field("crc", ProtoField.uint32, "CRC", base.HEX)
 field("crc.status", ProtoField.uint8, "CRC status", base.DEC, crc_status)
 
 -- Channel 1: what network controllers tell each other.
+-- (control messages), written by docs/generate_reference.py from daemon/wire/control_message.h
+local cpu_states = {[0] = "none", "absent", "booting", "running", "silent", "failed"}
+local link_states = {[0] = "down", "up", "silent", "folded"}
+local control_types = {[1] = "hello", [2] = "beacon"}
 field("control", ProtoField.uint8, "Control message", base.DEC, control_types)
 field("boot", ProtoField.uint64, "Boot number")
-field("hello.remembers", ProtoField.bool, "Has forgotten nothing of the others")
+field("hello.remembers", ProtoField.bool, "Remembers")
 field("beacon.cpu_boots", ProtoField.uint32, "CPU boots")
 field("beacon.cpu_state", ProtoField.uint8, "CPU state", base.DEC, cpu_states)
 field("beacon.cpu_silent", ProtoField.uint32, "CPU silent (ms)")
-field("beacon.input", ProtoField.uint8, "Input", base.DEC, link_states)
-field("beacon.input_from", ProtoField.uint8, "Input from node")
-field("beacon.output", ProtoField.uint8, "Output", base.DEC, link_states)
-field("beacon.output_to", ProtoField.uint8, "Output to node")
+field("beacon.input", ProtoField.uint8, "Input state", base.DEC, link_states)
+field("beacon.input_from", ProtoField.uint8, "Input from (node)")
+field("beacon.output", ProtoField.uint8, "Output state", base.DEC, link_states)
+field("beacon.output_to", ProtoField.uint8, "Output to (node)")
 field("beacon.break_known", ProtoField.bool, "Break known")
-field("beacon.break_before", ProtoField.uint8, "Break behind node")
-field("beacon.break_behind", ProtoField.uint8, "Break before node")
-field("beacon.cpu_comes_back", ProtoField.bool, "CPU comes back after a reset")
+field("beacon.break_before", ProtoField.uint8, "Break before (node)")
+field("beacon.break_behind", ProtoField.uint8, "Break behind (node)")
+field("beacon.cpu_comes_back", ProtoField.bool, "CPU comes back")
 field("beacon.stop_latched", ProtoField.bool, "Stop latched")
-field("beacon.latches", ProtoField.uint32, "Clock latches")
-field("beacon.latch_source", ProtoField.uint8, "Last latch asked for by node")
+field("beacon.latch_count", ProtoField.uint32, "Clock latches")
+field("beacon.latch_source", ProtoField.uint8, "Latch source (node)")
 field("beacon.latch_clock", ProtoField.uint64, "Latched clock (ns)")
+local control_fields = {
+  [1] = {
+    {"boot", 8},
+    {"hello.remembers", 1},
+  },
+  [2] = {
+    {"boot", 8},
+    {"beacon.cpu_boots", 4},
+    {"beacon.cpu_state", 1},
+    {"beacon.cpu_silent", 4},
+    {"beacon.input", 1},
+    {"beacon.input_from", 1},
+    {"beacon.output", 1},
+    {"beacon.output_to", 1},
+    {"beacon.break_known", 1},
+    {"beacon.break_before", 1},
+    {"beacon.break_behind", 1},
+    {"beacon.cpu_comes_back", 1},
+    {"beacon.stop_latched", 1},
+    {"beacon.latch_count", 4},
+    {"beacon.latch_source", 1},
+    {"beacon.latch_clock", 8},
+  },
+}
+local control_sizes = {[1] = {[10] = true}, [2] = {[26] = true, [40] = true}}
+-- end of it.
 
 -- Channel 2, type 1: joint states.
 field("joint.sequence", ProtoField.uint16, "Joint state")
@@ -174,34 +201,17 @@ end
 
 local function dissect_control(data, tree)
   local kind = data(0, 1):uint()
-  if kind == 1 and data:len() == 10 then
-    tree:add(f["control"], data(0, 1))
-    tree:add(f["boot"], data(1, 8))
-    tree:add(f["hello.remembers"], data(9, 1))
-    return "hello"
-  elseif kind == 2 and (data:len() == 26 or data:len() == 40) then
-    tree:add(f["control"], data(0, 1))
-    tree:add(f["boot"], data(1, 8))
-    tree:add(f["beacon.cpu_boots"], data(9, 4))
-    tree:add(f["beacon.cpu_state"], data(13, 1))
-    tree:add(f["beacon.cpu_silent"], data(14, 4))
-    tree:add(f["beacon.input"], data(18, 1))
-    tree:add(f["beacon.input_from"], data(19, 1))
-    tree:add(f["beacon.output"], data(20, 1))
-    tree:add(f["beacon.output_to"], data(21, 1))
-    tree:add(f["beacon.break_known"], data(22, 1))
-    tree:add(f["beacon.break_before"], data(23, 1))
-    tree:add(f["beacon.break_behind"], data(24, 1))
-    tree:add(f["beacon.cpu_comes_back"], data(25, 1))
-    if data:len() == 40 then
-      tree:add(f["beacon.stop_latched"], data(26, 1))
-      tree:add(f["beacon.latches"], data(27, 4))
-      tree:add(f["beacon.latch_source"], data(31, 1))
-      tree:add(f["beacon.latch_clock"], data(32, 8))
-    end
-    return "beacon, CPU " .. (cpu_states[data(13, 1):uint()] or "?")
+  if not control_sizes[kind] or not control_sizes[kind][data:len()] then return nil end
+  tree:add(f["control"], data(0, 1))
+  local words, at = control_types[kind], 1
+  for _, one in ipairs(control_fields[kind]) do
+    local name, size = one[1], one[2]
+    if at + size > data:len() then break end
+    tree:add(f[name], data(at, size))
+    if name == "beacon.cpu_state" then words = words .. ", CPU " .. (cpu_states[data(at, size):uint()] or "?") end
+    at = at + size
   end
-  return nil
+  return words
 end
 
 local function dissect_joints(data, tree)

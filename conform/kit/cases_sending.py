@@ -173,7 +173,8 @@ def _(p):
 
 
 for section, title, expected, what, value in (
-        ('3.9', 'a beacon has 26 or 40 bytes', '26 or 40', lambda b: len(b.data) in (26, 40), True),
+        ('3.9', 'a beacon has %d or %d bytes' % wire.BEACON_SIZES, '%d or %d' % wire.BEACON_SIZES,
+         lambda b: len(b.data) in wire.BEACON_SIZES, True),
         ('3.9', 'a beacon goes to all', 'DID 255', lambda b: b.destination, ALL),
         ('3.9', 'a beacon has channel 1, priority 0', 'PRI 4', lambda b: b.last, 4),
         ('3.9', 'CPU state is one of the list', '0 to 5', lambda b: b.data[13] <= 5, True),

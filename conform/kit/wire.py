@@ -10,6 +10,9 @@ CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE, CONNECT_MEMORY, CONNECT_KEYED = ran
 BUSY, REPLACED, WRONG_RING, NOT_IN_RING, UNKNOWN_SESSION, CLOSING, WRONG_VERSION = range(1, 8)
 OTHER_RING_FILE, NO_KEY = 9, 11
 HELLO, BEACON = 1, 2
+# (sizes), written by docs/generate_reference.py
+HELLO_SIZE, BEACON_SIZES = 10, (26, 40)
+# end of it
 CONTROL = 1 << 2  # PRI of channel 1, priority 0
 VERSION = 3
 SLICE_NAMES = {START: 'start', MORE: 'more', END: 'end', WHOLE: 'whole', INTERRUPT: 'interrupt', ABORT: 'abort',

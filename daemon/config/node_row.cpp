@@ -24,6 +24,19 @@ constexpr bool is_counters = std::is_same_v<T, Counters>;
 template <class T>
 constexpr bool is_plain = std::is_arithmetic_v<T> || std::is_same_v<T, Text>;
 
+/// Calls visit(name, member, In, meaning) for each member, and for each field of a beacon that is shown.
+template <class T, class Visit>
+void each_shown(T& of, const Visit& visit) {
+  T::each(of, [&](const char* name, auto& member, In in, const char* meaning) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(member)>, wire::Beacon>)
+      wire::Beacon::fields([&](auto field, const wire::Field& of_it) {
+        if (of_it.heard != nullptr) visit(of_it.name, member.*field, in, of_it.heard);
+      });
+    else
+      visit(name, member, in, meaning);
+  });
+}
+
 // ---- to JSON ----------------------------------------------------------------------------------
 
 template <class T>
@@ -44,10 +57,15 @@ bool is_empty(const T& value) {
     return false;
 }
 
+json written(wire::CpuState state) { return wire::to_string(state); }
+json written(wire::LinkState state) { return wire::to_string(state); }
+json written(wire::NodeId node) { return static_cast<std::uint8_t>(node); }
+json written(const wire::ClockLatch& latch);
+
 template <class T>
 json object_of(const T& value) {
   json object = json::object();
-  T::each(value, [&](const char* name, const auto& member, In in, const char*) {
+  each_shown(value, [&](const char* name, const auto& member, In in, const char*) {
     if (in == In::some && is_empty(member)) return;
     object[name] = written(member);
   });
@@ -68,6 +86,8 @@ json written(const T& value) {
     return object_of(value);
   }
 }
+
+json written(const wire::ClockLatch& latch) { return written(latch_of(latch)); }
 
 // ---- from JSON --------------------------------------------------------------------------------
 
@@ -131,11 +151,37 @@ Wrong take_counters(const json& from, Counters& to) {
   return {};
 }
 
+/// A word, as to_string() has it.
+template <class State>
+Wrong take_state(const json& from, State last, State& to) {
+  for (unsigned i = 0; i <= static_cast<unsigned>(last); ++i)
+    if (from == wire::to_string(static_cast<State>(i))) {
+      to = static_cast<State>(i);
+      return {};
+    }
+  return {"", from.is_string() ? "no state that a beacon tells" : "not a string"};
+}
+Wrong take(const json& from, wire::CpuState& to) { return take_state(from, wire::CpuState::failed, to); }
+Wrong take(const json& from, wire::LinkState& to) { return take_state(from, wire::LinkState::folded, to); }
+
+Wrong take(const json& from, wire::NodeId& to) {
+  std::uint8_t id = 0;
+  const Wrong wrong = take_whole(from, id);
+  to = wire::NodeId{id};
+  return wrong;
+}
+Wrong take(const json& from, wire::ClockLatch& to) {
+  Latch latch;
+  const Wrong wrong = take(from, latch);
+  to = {latch.count, wire::NodeId{latch.source}, latch.clock_ns};
+  return wrong;
+}
+
 template <class T>
 Wrong take_object(const json& from, T& to) {
   if (!from.is_object()) return {"", "not an object"};
   Wrong wrong;
-  T::each(to, [&](const char* name, auto& member, In in, const char*) {
+  each_shown(to, [&](const char* name, auto& member, In in, const char*) {
     if (wrong.what != nullptr) return;
     const auto found = from.find(name);
     const bool is_there = found != from.end() && !found->is_null();
@@ -177,7 +223,7 @@ const char* kind_of(const T&) {
   if constexpr (std::is_same_v<T, bool>) return "truth";
   if constexpr (std::is_integral_v<T>) return "whole number";
   if constexpr (std::is_floating_point_v<T>) return "number";
-  if constexpr (std::is_same_v<T, Text>) return "text";
+  if constexpr (std::is_same_v<T, Text> || std::is_enum_v<T>) return "text";
   if constexpr (std::is_same_v<T, Id>) return "whole number or text";
   if constexpr (IsList<T>::value) return "list";
   return "object";
@@ -201,25 +247,30 @@ void list_members(const T& value, const std::string& path, std::string& page);
 
 template <class T>
 void list_member(const T& member, const std::string& path, In in, const char* meaning, std::string& page) {
-  if constexpr (IsMaybe<T>::value) {
+  if constexpr (std::is_same_v<T, wire::ClockLatch>) {
+    list_member(Latch{}, path, in, meaning, page);
+  } else if constexpr (IsMaybe<T>::value) {
     list_member(typename T::value_type{}, path, in, meaning, page);
   } else {
     page += "| `" + path + "` | " + kind_of(member) + " | " + words_of(in) + " | " + meaning + " |\n";
     if constexpr (IsList<T>::value)
       list_members(typename T::value_type{}, path + "[].", page);
-    else if constexpr (!is_plain<T> && !is_counters<T> && !std::is_same_v<T, Id>)
+    else if constexpr (std::is_class_v<T> && !is_plain<T> && !is_counters<T> && !std::is_same_v<T, Id> &&
+                       !std::is_same_v<T, wire::NodeId>)
       list_members(member, path + ".", page);
   }
 }
 
 template <class T>
 void list_members(const T& value, const std::string& path, std::string& page) {
-  T::each(value, [&](const char* name, const auto& member, In in, const char* meaning) {
+  each_shown(value, [&](const char* name, const auto& member, In in, const char* meaning) {
     list_member(member, path + name, in, meaning, page);
   });
 }
 
 }  // namespace
+
+Latch latch_of(const wire::ClockLatch& latch) { return {latch.count != 0, latch.source, latch.count, latch.clock_ns}; }
 
 json to_json(const NodeRow& row) { return written(row); }
 json to_json(const Configured& configured) { return written(configured); }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "wire/control_message.h"
+
 /// What a node's daemon answers to the requests `status`, `latch`, `faults` and `config`, as values. Each has one
 /// list of its members, a row for each: from it come the struct, the JSON, both ways, what is wrong with an answer, and
 /// the page docs/reference/status.md. A member added is one row there.
@@ -162,24 +164,21 @@ struct LatelyDamaged {
   LIMB_RING_MEMBERS(LIMB_RING_LATELY_DAMAGED)
 };
 
-#define LIMB_RING_HEARD(X)                                                                   \
-  X(std::uint8_t, id, 0, always, "the node")                                                 \
-  X(Text, name, {}, told, "its name")                                                        \
-  X(std::uint64_t, boot, 0, told, "its boot number")                                         \
-  X(std::uint32_t, hop, 0, told, "relays between the two")                                   \
-  X(std::int64_t, age_ms, 0, always, "since its last beacon")                                \
-  X(std::uint32_t, cpu_boots, 0, told, "as `cpu.boots`, there")                              \
-  X(Text, cpu_state, {}, told, "as `cpu.state`, there")                                      \
-  X(std::uint32_t, cpu_silent_ms, 0, told, "as `cpu.silent_ms`, there")                      \
-  X(bool, cpu_comes_back, true, told, "somebody starts its CPU again when a reset kills it") \
-  X(Text, input, {}, told, "its line in: down, up, folded")                                  \
-  X(Text, output, {}, told, "its line out: down, up, folded")                                \
-  X(Maybe<BrokenLine>, broken_line, {}, null, "the break that it tells of; null: none")      \
-  X(bool, stop_latched, false, told, "as `cpu.stop.latched`, there")                         \
-  X(Latch, latch, {}, told, "the last latch of its clock")
-/// What a node has heard in another's beacons.
+#define LIMB_RING_HEARD(X)                                    \
+  X(std::uint8_t, id, 0, always, "the node")                  \
+  X(Text, name, {}, told, "its name")                         \
+  X(std::uint64_t, boot, 0, told, "its boot number")          \
+  X(std::uint32_t, hop, 0, told, "relays between the two")    \
+  X(std::int64_t, age_ms, 0, always, "since its last beacon") \
+  X(wire::Beacon, beacon, {}, told, "")                       \
+  X(Maybe<BrokenLine>, broken_line, {}, null, "the break that it tells of; null: none")
+/// What a node has heard in another's beacons. In JSON the fields of the beacon stand beside the rest, those that have
+/// a meaning there (wire::Field::heard).
 struct Heard {
   LIMB_RING_MEMBERS(LIMB_RING_HEARD)
+
+  /// As Cpu::state has it.
+  Text cpu_state() const { return to_string(beacon.cpu_state); }
 };
 
 #define LIMB_RING_FOLD(X)                                                   \
@@ -289,6 +288,8 @@ struct ConfiguredHost {
 struct Configured {
   LIMB_RING_MEMBERS(LIMB_RING_CONFIGURED)
 };
+
+Latch latch_of(const wire::ClockLatch& latch);
 
 nlohmann::json to_json(const NodeRow& row);
 nlohmann::json to_json(const Configured& configured);

@@ -156,7 +156,7 @@ void Requests::warn(const Json& request, bool of_cpu, const Answer& answer) {
   answer(Json::object());
 }
 
-void Requests::latch(const Json&, const Answer& answer) { answer(to_json(latch_of(to_.pins.last_latch()))); }
+void Requests::latch(const Json&, const Answer& answer) { answer(to_json(status::latch_of(to_.pins.last_latch()))); }
 
 void Requests::ping(const Json& request, const Answer& answer) {
   TrafficRequest traffic;

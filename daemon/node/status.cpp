@@ -143,22 +143,15 @@ std::vector<status::Refusal> refusals_of(const StatusSources& from) {
 }
 
 status::Heard heard_of(const config::NodeConfig& node, const core::Peer& peer, core::Time now) {
-  const wire::Beacon& beacon = peer.beacon;
   status::Heard row;
   row.id = node.id;
   row.name = node.name;
   row.boot = peer.boot;
   row.hop = peer.hop;
   row.age_ms = count_of<std::chrono::milliseconds>(now - peer.heard_at);
-  row.cpu_boots = beacon.cpu_boots;
-  row.cpu_state = wire::to_string(beacon.cpu_state);
-  row.cpu_silent_ms = beacon.cpu_silent_ms;
-  row.cpu_comes_back = beacon.cpu_comes_back;
-  row.input = wire::to_string(beacon.input);
-  row.output = wire::to_string(beacon.output);
-  if (beacon.break_known) row.broken_line = status::BrokenLine{beacon.break_before, beacon.break_behind, {}, {}};
-  row.stop_latched = beacon.stop_latched;
-  row.latch = latch_of(beacon.latch);
+  row.beacon = peer.beacon;
+  if (row.beacon.break_known)
+    row.broken_line = status::BrokenLine{row.beacon.break_before, row.beacon.break_behind, {}, {}};
   return row;
 }
 
@@ -201,10 +194,6 @@ std::vector<status::Warning> warnings_of(const StatusSources& from) {
 }
 
 }  // namespace
-
-status::Latch latch_of(const wire::ClockLatch& latch) {
-  return {latch.count != 0, latch.source, latch.count, latch.clock_ns};
-}
 
 NodeRow status_row(const StatusSources& from, bool with_heard) {
   const NodeDriver& driver = from.driver;

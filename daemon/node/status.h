@@ -32,6 +32,4 @@ struct StatusSources {
 /// A node's row of `ringctl status --json`.
 status::NodeRow status_row(const StatusSources& from, bool with_heard);
 
-status::Latch latch_of(const wire::ClockLatch& latch);
-
 }  // namespace limb_ring::runtime

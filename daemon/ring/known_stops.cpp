@@ -40,8 +40,8 @@ StopState state_in(const status::NodeRow& row, milliseconds age) {
 
 StopState state_in_beacon(const status::Heard* heard, bool delivered) {
   if (heard == nullptr) return StopState::unknown;
-  if (heard->stop_latched) return StopState::stopped;
-  const std::string& cpu = heard->cpu_state;
+  if (heard->beacon.stop_latched) return StopState::stopped;
+  const std::string cpu = heard->cpu_state();
   if (cpu == "absent" || cpu == "none") return StopState::no_cpu;
   if (!delivered) return StopState::unknown;
   if (comes_back(cpu, "")) return StopState::booting;

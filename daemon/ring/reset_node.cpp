@@ -47,14 +47,14 @@ std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
 std::optional<std::uint32_t> boots_in(const status::NodeRow& row, std::uint8_t target) {
   if (row.id == target) return row.cpu.boots.value_or(0);
   const status::Heard* peer = lately_heard_in(row, target);
-  return peer == nullptr ? std::nullopt : std::optional(peer->cpu_boots);
+  return peer == nullptr ? std::nullopt : std::optional(peer->beacon.cpu_boots);
 }
 
 bool has_no_cpu(const Rows& rows, std::uint8_t target) {
   const auto row = rows.find(target);
   if (row != rows.end()) return row->second.cpu.state == "none";
   const status::Heard* heard = lately_heard(rows, target);
-  return heard != nullptr && heard->cpu_state == "none";
+  return heard != nullptr && heard->beacon.cpu_state == wire::CpuState::none;
 }
 
 std::uint8_t best_sender(const Rows& rows, const ResetQuery& query) {

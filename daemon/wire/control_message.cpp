@@ -1,42 +1,80 @@
 #include "wire/control_message.h"
 
+#include <array>
+#include <limits>
+#include <type_traits>
+
 namespace limb_ring::wire {
 namespace {
 
 constexpr std::uint8_t kTypeHello = 1;
 constexpr std::uint8_t kTypeBeacon = 2;
-constexpr std::size_t kTypeAt = 0;
+constexpr std::size_t kTypeAt = 0, kFieldsAt = 1;
 
-/// Where the fields of a hello lie.
-namespace hello_field {
-constexpr std::size_t kBoot = 1, kRemembers = 9;
+/// The least and the greatest value that a field may have.
+template <class T>
+struct Range {
+  static constexpr std::uint64_t least = 0, most = std::numeric_limits<std::uint64_t>::max() >> (64 - 8 * sizeof(T));
+};
+template <>
+struct Range<bool> {
+  static constexpr std::uint64_t least = 0, most = 1;
+};
+template <class E, E kFirst, E kLast>
+struct States {
+  static constexpr auto least = static_cast<std::uint64_t>(kFirst), most = static_cast<std::uint64_t>(kLast);
+};
+template <>
+struct Range<CpuState> : States<CpuState, CpuState::none, CpuState::failed> {};
+template <>
+struct Range<LinkState> : States<LinkState, LinkState::down, LinkState::folded> {};
+template <>
+struct Range<FoldWordKind> : States<FoldWordKind, FoldWordKind::begin, FoldWordKind::hears> {};
+
+/// Writes a field, big-endian, and moves `to` behind it.
+template <class T>
+void put_field(std::uint8_t*& to, const T& field) {
+  for (std::size_t left = sizeof(T); left-- > 0;)
+    *to++ = static_cast<std::uint8_t>(static_cast<std::uint64_t>(field) >> 8 * left);
 }
-/// Where those of a beacon do.
-namespace beacon_field {
-constexpr std::size_t kBoot = 1, kCpuBoots = 9, kCpuState = 13, kCpuSilent = 14, kInput = 18, kInputFrom = 19,
-                      kOutput = 20, kOutputTo = 21, kBreakKnown = 22, kBreakBefore = 23, kBreakBehind = 24,
-                      kCpuComesBack = 25, kStopLatched = 26, kLatches = 27, kLatchSource = 31, kLatchClock = 32;
+void put_field(std::uint8_t*& to, const ClockLatch& latch) {
+  ClockLatch::fields([&](auto member, const Field&) { put_field(to, latch.*member); });
 }
 
-bool has_tail(const Beacon& b) { return b.stop_latched || b.latch.count != 0; }
-
-void encode_tail(const Beacon& b, std::uint8_t* out) {
-  using namespace beacon_field;
-  out[kStopLatched] = b.stop_latched ? 1 : 0;
-  store_u32(out + kLatches, b.latch.count);
-  out[kLatchSource] = b.latch.source;
-  store_u64(out + kLatchClock, b.latch.clock_ns);
+/// Reads a field and moves `from` behind it. @return whether it may have that value
+template <class T>
+bool take_field(const std::uint8_t*& from, T& field) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) value = value << 8 | *from++;
+  if constexpr (std::is_same_v<T, NodeId>)
+    field = NodeId{static_cast<std::uint8_t>(value)};
+  else
+    field = static_cast<T>(value);
+  return value >= Range<T>::least && value <= Range<T>::most;
+}
+/// Without a latch its other fields are 0.
+bool take_field(const std::uint8_t*& from, ClockLatch& latch) {
+  bool legal = true;
+  ClockLatch::fields([&](auto member, const Field&) { legal = take_field(from, latch.*member) && legal; });
+  return legal && (latch.count != 0 || latch == ClockLatch{});
 }
 
-/// @return false if it is no valid tail: it must tell something, and the latch fields must be 0 without a latch
-bool decode_tail(ByteView data, Beacon& b) {
-  using namespace beacon_field;
-  if (data[kStopLatched] > 1) return false;
-  b.stop_latched = data[kStopLatched] == 1;
-  b.latch.count = load_u32(data.data + kLatches);
-  b.latch.source = NodeId{data[kLatchSource]};
-  b.latch.clock_ns = load_u64(data.data + kLatchClock);
-  return has_tail(b) && (b.latch.count != 0 || (b.latch.source == 0 && b.latch.clock_ns == 0));
+/// For one of a message's functions that visit its fields: reads each.
+template <class Message>
+auto taker(const std::uint8_t*& from, Message& message, bool& legal) {
+  return [&](auto member, const Field&) { legal = take_field(from, message.*member) && legal; };
+}
+
+template <class T>
+bool says_something(const T& field) {
+  return static_cast<std::uint64_t>(field) != 0;
+}
+bool says_something(const ClockLatch& latch) { return latch.count != 0; }
+
+bool has_latched(const Beacon& beacon) {
+  bool says = false;
+  Beacon::latched([&](auto member, const Field&) { says = says || says_something(beacon.*member); });
+  return says;
 }
 
 bool is(ByteView data, std::uint8_t type, std::size_t size) { return data.size == size && data[kTypeAt] == type; }
@@ -76,62 +114,70 @@ const char* to_string(LinkState state) {
 }
 
 std::size_t encode(const Hello& hello, std::uint8_t* out) {
-  using namespace hello_field;
+  std::uint8_t* to = out + kFieldsAt;
   out[kTypeAt] = kTypeHello;
-  store_u64(out + kBoot, hello.boot);
-  out[kRemembers] = hello.remembers ? 1 : 0;
+  Hello::fields([&](auto member, const Field&) { put_field(to, hello.*member); });
   return kHelloSize;
 }
 
-std::size_t encode(const Beacon& b, std::uint8_t* out) {
-  using namespace beacon_field;
+std::size_t encode(const Beacon& beacon, std::uint8_t* out) {
+  std::uint8_t* to = out + kFieldsAt;
+  const auto put = [&](auto member, const Field&) { put_field(to, beacon.*member); };
   out[kTypeAt] = kTypeBeacon;
-  store_u64(out + kBoot, b.boot);
-  store_u32(out + kCpuBoots, b.cpu_boots);
-  out[kCpuState] = static_cast<std::uint8_t>(b.cpu_state);
-  store_u32(out + kCpuSilent, b.cpu_silent_ms);
-  out[kInput] = static_cast<std::uint8_t>(b.input);
-  out[kInputFrom] = b.input_from;
-  out[kOutput] = static_cast<std::uint8_t>(b.output);
-  out[kOutputTo] = b.output_to;
-  out[kBreakKnown] = b.break_known ? 1 : 0;
-  out[kBreakBefore] = b.break_before;
-  out[kBreakBehind] = b.break_behind;
-  out[kCpuComesBack] = b.cpu_comes_back ? 1 : 0;
-  if (!has_tail(b)) return kBeaconSize;
-  encode_tail(b, out);
+  Beacon::always(put);
+  if (!has_latched(beacon)) return kBeaconSize;
+  Beacon::latched(put);
   return kLongBeaconSize;
 }
 
 std::optional<Hello> decode_hello(ByteView data) {
-  using namespace hello_field;
-  if (!is(data, kTypeHello, kHelloSize) || data[kRemembers] > 1) return std::nullopt;
-  return Hello{load_u64(data.data + kBoot), data[kRemembers] == 1};
+  if (!is(data, kTypeHello, kHelloSize)) return std::nullopt;
+  const std::uint8_t* from = data.data + kFieldsAt;
+  Hello hello;
+  bool legal = true;
+  Hello::fields(taker(from, hello, legal));
+  return legal ? std::optional(hello) : std::nullopt;
 }
 
 std::optional<Beacon> decode_beacon(ByteView data) {
-  using namespace beacon_field;
-  if (!is(data, kTypeBeacon, kBeaconSize) && !is(data, kTypeBeacon, kLongBeaconSize)) return std::nullopt;
-  const bool legal = data[kCpuState] <= static_cast<std::uint8_t>(CpuState::failed) &&
-                     data[kInput] <= static_cast<std::uint8_t>(LinkState::folded) &&
-                     data[kOutput] <= static_cast<std::uint8_t>(LinkState::folded) && data[kBreakKnown] <= 1 &&
-                     data[kCpuComesBack] <= 1;
-  if (!legal) return std::nullopt;
-  Beacon b;
-  b.boot = load_u64(data.data + kBoot);
-  b.cpu_boots = load_u32(data.data + kCpuBoots);
-  b.cpu_state = static_cast<CpuState>(data[kCpuState]);
-  b.cpu_silent_ms = load_u32(data.data + kCpuSilent);
-  b.input = static_cast<LinkState>(data[kInput]);
-  b.input_from = NodeId{data[kInputFrom]};
-  b.output = static_cast<LinkState>(data[kOutput]);
-  b.output_to = NodeId{data[kOutputTo]};
-  b.break_known = data[kBreakKnown] == 1;
-  b.break_before = NodeId{data[kBreakBefore]};
-  b.break_behind = NodeId{data[kBreakBehind]};
-  b.cpu_comes_back = data[kCpuComesBack] == 1;
-  if (data.size == kLongBeaconSize && !decode_tail(data, b)) return std::nullopt;
-  return b;
+  const bool is_long = is(data, kTypeBeacon, kLongBeaconSize);
+  if (!is_long && !is(data, kTypeBeacon, kBeaconSize)) return std::nullopt;
+  const std::uint8_t* from = data.data + kFieldsAt;
+  Beacon beacon;
+  bool legal = true;
+  Beacon::always(taker(from, beacon, legal));
+  if (is_long) Beacon::latched(taker(from, beacon, legal));
+  return legal && is_long == has_latched(beacon) ? std::optional(beacon) : std::nullopt;
+}
+
+void put(SliceWriter& line, FoldWord word) {
+  std::array<std::uint8_t, kFoldWordSize> bytes{};
+  std::uint8_t* to = bytes.data();
+  FoldWord::fields([&](auto member, const Field&) { put_field(to, word.*member); });
+  *to = fold_check(static_cast<std::uint8_t>(word.kind), word.node);
+  line.put(SliceKind::fold, {bytes.data(), bytes.size()});
+}
+
+std::optional<FoldWord> fold_word(const Slice& slice) {
+  if (slice.kind != SliceKind::fold || slice.bytes.size != kFoldWordSize) return std::nullopt;
+  const std::uint8_t* from = slice.bytes.data;
+  FoldWord word;
+  bool legal = true;
+  FoldWord::fields(taker(from, word, legal));
+  return legal && *from == fold_check(slice.bytes[0], word.node) ? std::optional(word) : std::nullopt;
+}
+
+bool is_news(const Beacon& before, const Beacon& now) {
+  bool news = false;
+  Beacon::fields(
+      [&](auto member, const Field& field) { news = news || (field.news && !(before.*member == now.*member)); });
+  return news;
+}
+
+bool operator==(const ClockLatch& one, const ClockLatch& other) {
+  bool same = true;
+  ClockLatch::fields([&](auto member, const Field&) { same = same && one.*member == other.*member; });
+  return same;
 }
 
 }  // namespace limb_ring::wire

@@ -1,6 +1,6 @@
 // One node of a ring that folds back, its four lines in the hands of the test. (protocol.md sections 8.8 to 8.12)
 #include "core/solo_node.h"
-#include "wire/slice.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::core {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/solo_node.h"
-#include "wire/slice.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::core {
 

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "fuzz/fuzz.h"
+#include "wire/control_message.h"
 #include "wire/slice.h"
 
 using namespace limb_ring;

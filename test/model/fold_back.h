@@ -9,7 +9,7 @@
 #include "core/line.h"
 #include "core/settings.h"
 #include "model/packet.h"
-#include "wire/slice.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::model {
 

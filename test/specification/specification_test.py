@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """docs/protocol.md is the specification of the ring: what is cited of it exists, and what the code counts, waits for
 and sends stands in it."""
+import importlib.util
 import os
 import re
+import struct
 import unittest
 import zlib
 
@@ -196,6 +198,47 @@ class Contents(unittest.TestCase):
         for name, where in [("Outcome", "4.6"), ("CpuState", "3.9"), ("LinkState", "3.9"), ("CpuVerdict", "8.13")]:
             for word in enumerators(name):
                 self.assertRegex(section(self.page, where), r"\b%s\b" % word.replace("_", " "), name)
+
+
+class ControlMessages(unittest.TestCase):
+    """What daemon/wire/control_message.h lists stands in all that tells of it."""
+
+    @classmethod
+    def setUpClass(cls):
+        path = os.path.join(ROOT, "docs", "generate_reference.py")
+        spec = importlib.util.spec_from_file_location("generate_reference", path)
+        cls.writer = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(cls.writer)
+        cls.page = read(SPECIFICATION)
+        cls.parts = sum(cls.writer.messages().values(), [])  # hello, beacon, what it has latched
+        cls.sizes = [cls.writer.end_of(part) for part in cls.parts]
+
+    def test_tables_dissector_and_sizes_are_as_the_lists_say(self):
+        for path, text in self.writer.told_files().items():
+            self.assertEqual(read(path), text, "%s: `make docs` writes it" % path)
+
+    def test_sentences_about_sizes_are_as_the_lists_say(self):
+        hello, short, long = self.sizes
+        listed = [str(one.at) for one in sum(self.parts[1:], []) if one.type in ("bool", "CpuState", "LinkState")]
+        beacon = " ".join(section(self.page, "3.9").split())
+        self.assertIn("It has %d bytes." % hello, section(self.page, "3.8"))
+        self.assertIn("It has %d bytes." % short, beacon)
+        self.assertIn("it has %d more" % (long - short), beacon)
+        self.assertIn("one of %d bytes whose bytes %d to %d say nothing" % (long, short, long - 1), beacon)
+        self.assertIn("an unlisted value in bytes %s or %s, " % (", ".join(listed[:-1]), listed[-1]), beacon)
+
+    def test_nodes_in_python_know_these_sizes(self):
+        foreign, kit = os.path.join("test", "specification", "foreign_node.py"), os.path.join("conform", "kit", "wire.py")
+        for path in (foreign, kit):
+            packed = [struct.calcsize(layout) for layout in re.findall(r"'(>BQ\w+)', (?:HELLO|BEACON)", read(path))]
+            self.assertCountEqual(packed, self.sizes[:2], path)
+        self.assertIn("== HELLO and len(data) == %d or data[0] == BEACON and len(data) in (%d, %d)" % tuple(self.sizes),
+                      read(foreign))
+
+    def test_every_field_has_a_title_and_a_meaning(self):
+        self.assertTrue(all(one.title and one.value for one in sum(self.parts, [])))
+        self.assertEqual(self.writer.columns('bool, x, A{0}, "a, b" " (c)", "d", kNews'),
+                         ["bool", "x", "A{0}", "a, b (c)", "d", "kNews"])
 
 
 class Walks(unittest.TestCase):

@@ -70,6 +70,30 @@ TEST(ControlMessage, ABeaconWithTheLastOfAllStatesIsOne) {
   EXPECT_EQ(back->output, LinkState::folded);
 }
 
+void change(bool& is) { is = !is; }
+void change(NodeId& node) { node = NodeId{static_cast<std::uint8_t>(node + 1)}; }
+void change(ClockLatch& latch) { latch = {1, 2_id, 3}; }
+template <class T>
+void change(T& number) {
+  number = static_cast<T>(static_cast<std::uint64_t>(number) + 1);
+}
+
+TEST(ControlMessage, AFieldOfABeaconThatIsAnotherComesBackAndIsNewsIfItsRowSaysSo) {
+  int fields = 0;
+  Beacon::fields([&](auto member, const Field& field) {
+    Beacon beacon;
+    change(beacon.*member);
+    std::array<std::uint8_t, kLongBeaconSize> bytes;
+    const auto back = decode_beacon({bytes.data(), encode(beacon, bytes.data())});
+    ASSERT_TRUE(back) << field.name;
+    EXPECT_TRUE((*back).*member == beacon.*member) << field.name;
+    EXPECT_FALSE((*back).*member == Beacon{}.*member) << field.name;
+    EXPECT_EQ(is_news({}, beacon), field.news) << field.name;
+    ++fields;
+  });
+  EXPECT_GT(fields, 12);
+}
+
 TEST(ControlMessage, ABeaconThatIsToldNothingIsAllZeroButThatTheCpuComesBack) {
   std::array<std::uint8_t, kBeaconSize> bytes, expected{2};
   ASSERT_EQ(encode(Beacon{}, bytes.data()), kBeaconSize);

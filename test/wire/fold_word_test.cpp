@@ -1,5 +1,5 @@
 #include "support/node_literal.h"
-#include "wire/slice.h"
+#include "wire/control_message.h"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,11 @@ enum {
   EOP = 0xFD,
   HELLO = 1,
   BEACON = 2,
+  /* (sizes), written by docs/generate_reference.py */
   HELLO_SIZE = 10,
   BEACON_SIZE = 26,
   BEACON_WITH_LATCH = 40,
+  /* end of it */
   CONTROL = 1 << 2, /* PRI of channel 1, priority 0 */
   ONE_TRY = 1 << 3,
   TRIES = 3,
@@ -384,7 +386,7 @@ static void has_started(tn_node* node, uint8_t source) {
 /* ---- hellos and beacons ---- */
 
 static bool says_something(const uint8_t* more) {
-  for (unsigned i = 26; i < 40; i++)
+  for (unsigned i = BEACON_SIZE; i < BEACON_WITH_LATCH; i++)
     if (more[i] != 0) return true;
   return false;
 }

@@ -7,7 +7,7 @@
 #include "core/line.h"
 #include "core/state_table.h"
 #include "core/timers.h"
-#include "wire/slice.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::core {
 

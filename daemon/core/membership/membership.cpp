@@ -19,6 +19,16 @@ Duration beacon_period(const Settings& settings) {
   return settings.beacon + settings.beacon * place / (4 * static_cast<int>(settings.nodes()));
 }
 
+/// Puts what a CpuReport has into its place in a beacon that goes `now`.
+template <class T>
+void tell(const T& reported, T& told, Time) {
+  told = reported;
+}
+void tell(Time spoke_at, std::uint32_t& silent_ms, Time now) {
+  const auto silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - spoke_at).count();
+  silent_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(silent, 0, UINT32_MAX));
+}
+
 }  // namespace
 
 // clang-format off
@@ -323,8 +333,10 @@ bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beac
 // ---- own beacons ----------------------------------------------------------------------------
 
 void Membership::set_cpu(const CpuReport& report, Time now) {
-  const bool news =
-      report.boots != cpu_.boots || report.state != cpu_.state || report.stop_latched != cpu_.stop_latched;
+  bool news = false;
+  CpuReport::fields([&](const char*, auto member, auto, bool at_once) {
+    news = news || (at_once && !(report.*member == cpu_.*member));
+  });
   cpu_ = report;
   if (news && accepts_sends()) beacon_changed(now);
 }
@@ -332,11 +344,7 @@ void Membership::set_cpu(const CpuReport& report, Time now) {
 wire::Beacon Membership::beacon(Time now) const {
   wire::Beacon b;
   b.boot = boot_;
-  b.cpu_boots = cpu_.boots;
-  b.cpu_state = cpu_.state;
-  b.cpu_comes_back = cpu_.comes_back;
-  const auto silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - cpu_.spoke_at).count();
-  b.cpu_silent_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(silent, 0, UINT32_MAX));
+  CpuReport::fields([&](const char*, auto member, auto told_as, bool) { tell(cpu_.*member, b.*told_as, now); });
   b.input = input_.shown();
   b.input_from = input_.neighbour;
   b.output = output_.shown();
@@ -346,8 +354,6 @@ wire::Beacon Membership::beacon(Time now) const {
     b.break_before = line->before;
     b.break_behind = line->behind;
   }
-  b.stop_latched = cpu_.stop_latched;
-  b.latch = cpu_.latch;
   return b;
 }
 

@@ -15,19 +15,30 @@
 
 namespace limb_ring::core {
 
+/// A row for each field of CpuReport: type, name, initial value, its name in a beacon, whether a beacon goes at once
+/// when it has changed; otherwise it waits for the next one. A beacon says how long ago the CPU spoke.
+#define LIMB_RING_CPU_REPORT(X)                                   \
+  X(std::uint32_t, boots, 0, cpu_boots, true)                     \
+  X(wire::CpuState, state, wire::CpuState::none, cpu_state, true) \
+  X(bool, comes_back, true, cpu_comes_back, false)                \
+  X(Time, spoke_at, {}, cpu_silent_ms, false)                     \
+  X(bool, stop_latched, false, stop_latched, true)                \
+  X(wire::ClockLatch, latch, {}, latch, false)
+#define LIMB_RING_REPORTED(type, name, initial, told_as, at_once) type name = initial;
+#define LIMB_RING_VISIT_REPORTED(type, name, initial, told_as, at_once) \
+  visit(#name, &CpuReport::name, &wire::Beacon::told_as, at_once);
 /// What the NC knows of its own CPU; beacons carry it.
 struct CpuReport {
-  std::uint32_t boots = 0;
-  wire::CpuState state = wire::CpuState::none;
-  bool comes_back = true;  ///< somebody starts it again when a reset kills it
-  Time spoke_at{};         ///< when it last spoke; beacons say how long ago that was
-  bool stop_latched = false;
-  wire::ClockLatch latch;  ///< of the node; news of it waits for the next beacon
+  LIMB_RING_CPU_REPORT(LIMB_RING_REPORTED)
 
+  /// Calls visit(name, pointer to member, that of the beacon, at once) for each.
+  template <class Visit>
+  static void fields(const Visit& visit) {
+    LIMB_RING_CPU_REPORT(LIMB_RING_VISIT_REPORTED)
+  }
   template <class Archive>
   void archive(Archive& a) {
-    a("boots", boots)("state", state)("comes_back", comes_back)("spoke_at", spoke_at);
-    a("stop_latched", stop_latched)("latch", latch);
+    fields([&](const char* name, auto member, auto, bool) { a(name, this->*member); });
   }
 };
 

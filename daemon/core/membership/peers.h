@@ -40,11 +40,7 @@ class Peers {
   /// @return true where it says something new of CPU, links or break, or is the first of its boot number
   bool heard_beacon(wire::NodeId node, std::uint8_t hop, const wire::Beacon& beacon, Time now) {
     Peer& peer = peers_[node];
-    const wire::Beacon& b = peer.beacon;
-    const bool news = !peer.beacon_heard || b.boot != beacon.boot || b.cpu_boots != beacon.cpu_boots ||
-                      b.cpu_state != beacon.cpu_state || b.input != beacon.input || b.input_from != beacon.input_from ||
-                      b.output != beacon.output || b.output_to != beacon.output_to ||
-                      b.break_known != beacon.break_known;
+    const bool news = !peer.beacon_heard || wire::is_news(peer.beacon, beacon);
     hear(peer, hop, beacon.boot, now);
     peer.beacon_heard = true;
     peer.beacon_at = now;

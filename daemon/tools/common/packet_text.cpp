@@ -214,6 +214,14 @@ std::string link_words(wire::LinkState state, const std::string& neighbour) {
   return wire::to_string(state) + (state == wire::LinkState::down ? "" : neighbour);
 }
 
+/// Of a field that is sent only if it says something.
+std::string words_if_any(const char* title, bool is_so, const RingNames&) {
+  return is_so ? ", " + std::string(title) : "";
+}
+std::string words_if_any(const char*, const wire::ClockLatch& latch, const RingNames& names) {
+  return latch.count == 0 ? "" : ", clock latched by " + names.of(latch.source);
+}
+
 std::string words(const wire::Beacon& beacon, const RingNames& names) {
   std::string text = "beacon, boot " + to_string(beacon.boot);
   text += ", CPU " + std::string(wire::to_string(beacon.cpu_state)) + " (boot " + to_string(beacon.cpu_boots) +
@@ -221,8 +229,8 @@ std::string words(const wire::Beacon& beacon, const RingNames& names) {
   text += ", input " + link_words(beacon.input, " from " + names.of(beacon.input_from));
   text += ", output " + link_words(beacon.output, " to " + names.of(beacon.output_to));
   if (beacon.break_known) text += ", break " + names.line(beacon.break_before, beacon.break_behind);
-  if (beacon.stop_latched) text += ", stop latched";
-  if (beacon.latch.count != 0) text += ", clock latched by " + names.of(beacon.latch.source);
+  wire::Beacon::latched(
+      [&](auto member, const wire::Field& field) { text += words_if_any(field.title, beacon.*member, names); });
   return text;
 }
 

@@ -72,9 +72,7 @@ std::optional<wire::Beacon> LiveStage::heard(NodeId by, NodeId of) const {
   const auto is = [&](const status::Heard& peer) { return place_of(peer.id) == of; };
   const auto peer = std::find_if(row.heard.begin(), row.heard.end(), is);
   if (peer == row.heard.end()) return std::nullopt;
-  wire::Beacon beacon;
-  beacon.cpu_state = from_word(peer->cpu_state, wire::CpuState::failed);
-  beacon.cpu_boots = peer->cpu_boots;
+  wire::Beacon beacon = peer->beacon;
   const auto& broken = row.broken_line;  // only the node behind a break announces it in its beacons
   beacon.break_known = broken && place_of(broken->behind) == of;
   if (beacon.break_known) beacon.break_before = place_of(broken->before);

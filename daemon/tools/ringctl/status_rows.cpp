@@ -70,8 +70,8 @@ const status::Heard* heard_of(const RingAccess& ring, const std::vector<ask::Tol
 /// A node's state by its beacon, in the words of a status row. A beacon from away from the break says only that there
 /// is one. Whether the ring is folded back, our own nodes tell: as they hear that node, they are in the same part.
 std::string state_in(const status::Heard& heard, const std::vector<ask::ToldRow>& told) {
-  const std::string folded = wire::to_string(wire::LinkState::folded);
-  if (heard.input == folded || heard.output == folded) return "folded";
+  constexpr auto kFolded = wire::LinkState::folded;
+  if (heard.beacon.input == kFolded || heard.beacon.output == kFolded) return "folded";
   if (!heard.broken_line) return "up";
   const auto is_folded = [](const ask::ToldRow& row) { return row.said && row.said->state == "folded"; };
   return std::any_of(told.begin(), told.end(), is_folded) ? "folded" : "open_chain";
@@ -108,10 +108,10 @@ NodeRow absent_row(const RingAccess& ring, const std::vector<ask::ToldRow>& told
   if (heard == nullptr || (here && !is_of_another(folder, node.id, *heard))) return row;
   row.state = state_in(*heard, told);
   row.elsewhere = true;
-  row.cpu.state = heard->cpu_state;
-  row.cpu.boots = heard->cpu_boots;
-  row.cpu.stop.emplace().latched = heard->stop_latched;
-  row.latch = heard->latch;
+  row.cpu.state = heard->cpu_state();
+  row.cpu.boots = heard->beacon.cpu_boots;
+  row.cpu.stop.emplace().latched = heard->beacon.stop_latched;
+  row.latch = status::latch_of(heard->beacon.latch);
   row.broken_line = heard->broken_line;
   return row;
 }

@@ -52,6 +52,26 @@ std::string wrong_in_config(const json& answer) {
   return status::read(answer, config);
 }
 
+void change(bool& is) { is = !is; }
+void change(wire::NodeId& node) { node = wire::NodeId{7}; }
+void change(wire::ClockLatch& latch) { latch = {1, wire::NodeId{2}, 3}; }
+template <class T>
+void change(T& number) {
+  number = static_cast<T>(1);
+}
+
+TEST(AnswerShape, AFieldOfABeaconThatARowShowsComesBackUnderItsName) {
+  wire::Beacon::fields([](auto member, const wire::Field& field) {
+    status::NodeRow one, back;
+    change(one.heard.emplace_back().beacon.*member);
+    const json told = to_json(one);
+    EXPECT_EQ(told["heard"][0].contains(field.name), field.heard != nullptr || field.name == std::string("boot"))
+        << field.name;
+    ASSERT_EQ(status::read(told, back), "") << field.name;
+    EXPECT_EQ(back.heard[0].beacon.*member == one.heard[0].beacon.*member, field.heard != nullptr) << field.name;
+  });
+}
+
 /// Calls `with` for each change of one member, at any depth: left out, or something else.
 template <typename With>
 void change_each(json& whole, json& at, With with) {
