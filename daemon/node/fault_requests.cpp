@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 #include <random>
 
 #include "config/core_settings.h"
@@ -122,7 +121,11 @@ double pace_in(const Json& request) {
   return pace->get<double>();
 }
 
-void set_pace(ClockControl& clock, const Json& request, const Answer& answer) {
+}  // namespace
+
+namespace clock_requests {
+
+void pace(ClockControl& clock, const Json& request, const Answer& answer) {
   clock.set_pace(pace_in(request));
   answer(state_of(clock));
 }
@@ -158,22 +161,7 @@ void allow(ClockControl& clock, const Json& request, const Answer& answer) {
   answer(state_of(clock));
 }
 
-}  // namespace
-
-bool answer_clock_request(ClockControl* clock, const std::string& what, const Json& request, const Answer& answer) {
-  using Handler = void (*)(ClockControl&, const Json&, const Answer&);
-  static const std::map<std::string, Handler> handlers{{"allow", allow}, {"pace", set_pace},
-                                                       {"pause", pause}, {"run", run},
-                                                       {"step", step},   {"went_on_without", went_on_without}};
-  const auto handler = handlers.find(what);
-  if (handler == handlers.end()) return false;
-  if (clock == nullptr)
-    throw RequestError(
-        "this ring goes by the machine's clock, which nobody can stop or slow down; 'ringctl up CONFIG "
-        "--clock virtual' has one of its own");
-  handler->second(*clock, request, answer);
-  return true;
-}
+}  // namespace clock_requests
 
 void add_state(const ClockControl& clock, Json& answer) {
   const ClockControl::State state = clock.state();

@@ -31,11 +31,15 @@ void remove_fault(const FaultTargets& to, const nlohmann::json& request, const A
 void clear_faults(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
 ///@}
 
-/// `allow`, `pace`, `pause`, `run`, `step`, `went_on_without`: answers one of these. @return false where it is none of
-/// them
-/// @param clock null on a live ring @throw RequestError
-bool answer_clock_request(ClockControl* clock, const std::string& what, const nlohmann::json& request,
-                          const Answer& answer);
+/// Requests about the clock of a virtual ring. @throw RequestError
+namespace clock_requests {
+void allow(ClockControl& clock, const nlohmann::json& request, const Answer& answer);
+void pace(ClockControl& clock, const nlohmann::json& request, const Answer& answer);
+void pause(ClockControl& clock, const nlohmann::json& request, const Answer& answer);
+void run(ClockControl& clock, const nlohmann::json& request, const Answer& answer);
+void step(ClockControl& clock, const nlohmann::json& request, const Answer& answer);
+void went_on_without(ClockControl& clock, const nlohmann::json& request, const Answer& answer);
+}  // namespace clock_requests
 
 /// What a virtual clock says of itself, into the answer to `clock`.
 void add_state(const ClockControl& clock, nlohmann::json& answer);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "config/ring_config.h"
@@ -47,22 +48,6 @@ class Requests {
   static bool changes_something(const std::string& text);
 
  private:
-  using Json = nlohmann::json;
-  void clock(const Json& request, const Answer& answer);
-  void config(const Json& request, const Answer& answer);
-  void latch(const Json& request, const Answer& answer);
-  void ping(const Json& request, const Answer& answer);
-  void reset(const Json& request, const Answer& answer);
-  void setup(const Json& request, const Answer& answer);
-  void shutdown(const Json& request, const Answer& answer);
-  void stop_latched(const Json& request, bool of_cpu, const Answer& answer);
-  void warn(const Json& request, bool of_cpu, const Answer& answer);
-  void status(const Json& request, const Answer& answer);
-  void stop(const Json& request, const Answer& answer);
-  void sync(const Json& request, const Answer& answer);
-
-  Json end_of(const core::SendEnded& ended) const;
-
   Targets to_;
   std::shared_ptr<void> here_ = std::make_shared<char>();  ///< gone with this: a virtual node may die before an answer
 };
@@ -96,18 +81,28 @@ std::uint8_t nodes_in(const config::RingConfig& ring, const nlohmann::json& requ
 
 constexpr const char* kRequestRule = "a request is a JSON object {\"do\": \"...\", ...}";
 
-/// A request that a daemon answers (docs/reference/requests.md).
+/// A request that a daemon answers (docs/reference/requests.md). All of them are the rows of a table in requests.cpp.
 struct RequestKind {
+  using OfNode = void (*)(const Requests::Targets&, const nlohmann::json& request, const Answer&);
+  using OfFaults = void (*)(const FaultTargets&, const nlohmann::json& request, const Answer&);
+  using OfClock = void (*)(ClockControl&, const nlohmann::json& request, const Answer&);
+  enum class Changes : std::uint8_t { ring, nothing };  ///< the clock of a virtual ring aside
+  enum class For : std::uint8_t { anyone, cpu };
+
   std::string name;                  ///< its `do`
   std::vector<std::string> members;  ///< what else it may have
-  bool changes_something;            ///< of the ring; its clock aside
+  Changes changes;
+  For whom;
+  std::variant<OfNode, OfFaults, OfClock> handler;  ///< may throw; what() is then the answer
 };
-
-/// All of them, by name.
-const std::vector<RequestKind>& request_kinds();
 
 /// @return that of an object's `do`; null where there is no such request
 const RequestKind* find_request_kind(const nlohmann::json& request);
+
+/// Answers a request about the clock of a virtual ring. @return false if this kind is none
+/// @param clock null on a live ring @throw RequestError
+bool answer_clock_request(ClockControl* clock, const RequestKind& kind, const nlohmann::json& request,
+                          const Answer& answer);
 
 /// @throw RequestError naming a member that requests of this kind do not take, and those they take
 void require_known_members(const nlohmann::json& request, const RequestKind& kind);

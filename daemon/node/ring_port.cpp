@@ -72,23 +72,21 @@ void RingPort::on_request(host::ClientId client, const client::JsonRequest& requ
   };
   try {
     const json what = runtime::object_in(std::string(request.json), runtime::kRequestRule);
-    if (const auto* kind = runtime::find_request_kind(what)) runtime::require_known_members(what, *kind);
-    if (what.value("do", json()) == "fault") return begin_fault(what, answer);
-    answer_of_clock(what, answer);
+    const runtime::RequestKind* kind = runtime::find_request_kind(what);
+    if (kind != nullptr) runtime::require_known_members(what, *kind);
+    if (kind != nullptr && kind->name == "fault") return begin_fault(what, answer);
+    if (kind != nullptr && kind->name == "clock") return answer(state());
+    if (kind == nullptr || !runtime::answer_clock_request(&requests_.clock, *kind, what, answer))
+      throw RequestError(std::string(kWhoseThisIs) + ": there are allow, clock, fault, pace, pause, run, step");
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});
   }
 }
 
-void RingPort::answer_of_clock(const json& request, const std::function<void(const json&)>& answer) {
-  const json what = request.value("do", json());
-  if (what == "clock") {
-    json state = json::object();
-    runtime::add_state(requests_.clock, state);
-    return answer(state);
-  }
-  if (!what.is_string() || !runtime::answer_clock_request(&requests_.clock, what.get<std::string>(), request, answer))
-    throw RequestError(std::string(kWhoseThisIs) + ": there are allow, clock, fault, pace, pause, run, step");
+json RingPort::state() const {
+  json state = json::object();
+  runtime::add_state(requests_.clock, state);
+  return state;
 }
 
 void RingPort::begin_fault(const json& request, const std::function<void(const json&)>& answer) {

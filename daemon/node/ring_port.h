@@ -38,7 +38,7 @@ class RingPort final : private host::HostHandler {
   void on_alive(host::ClientId) override {}
   void on_credit(host::ClientId) override {}
 
-  void answer_of_clock(const nlohmann::json& request, const std::function<void(const nlohmann::json&)>& answer);
+  nlohmann::json state() const;
   void begin_fault(const nlohmann::json& request, const std::function<void(const nlohmann::json&)>& answer);
   void reject(host::ClientId client, std::uint32_t token);
 

@@ -51,8 +51,14 @@ class Tools(RingTest):
         page = os.path.join(os.path.dirname(__file__), '..', '..', 'docs', 'reference', 'requests.md')
         with open(page) as text:
             table = text.read().split('|---|---|---|')[1].split('\n\n')[0]
-        first_column = [row.split('|')[1] for row in table.strip().split('\n')]
-        self.assertEqual(known, sorted(name for cell in first_column for name in re.findall('`([a-z_]+)`', cell)))
+        columns = [[re.findall('`([a-z_]+)`', cell) for cell in row.split('|')[1:3]] for row in table.strip().split('\n')]
+        members = {name: sorted(set(more)) for names, more in columns for name in names}
+        self.assertEqual(known, sorted(members))
+        for name in known:
+            with self.assertRaisesRegex(HostPortError, "%s: 'nonsense' is unknown; it takes" % name) as refused:
+                port.ask({'do': name, 'nonsense': 1})
+            takes = str(refused.exception).split('it takes: ')[1:]
+            self.assertEqual(takes[0].split(', ') if takes else [], members[name], name)
         known.remove('shutdown')
         for name in known + ['shutdown']:
             with self.subTest(request=name):
