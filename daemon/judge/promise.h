@@ -80,9 +80,6 @@ struct Observation {
   std::uint8_t detail = 0;  ///< ended: wire::Outcome; state: core::NodeState; goes_on: the receive buffers are empty
   std::uint8_t tries = 0;   ///< ended
 
-  bool same_content(const Observation& other) const {
-    return checksum == other.checksum && size == other.size && channel == other.channel;
-  }
   /// One was asked for, and the other is its end. @pre both of one node
   bool same_send(const Observation& other) const { return token == other.token && owner == other.owner; }
 };
