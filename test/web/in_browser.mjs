@@ -70,6 +70,14 @@ const all = {
     await page.locator('#run-scenario').click();
     await page.locator('#scenario-verdict', { hasText: 'as expected' }).waitFor();
     assert.equal(await page.locator('#scenario-picture text.row').count(), 16);
+    for (const [ring, rows] of [['leg8', 8], ['humanoid16', 16]]) { // the ring above, pasted or chosen
+      await page.selectOption('#ring', ring);
+      await page.locator('#scenario-yaml').fill('scenario: mine\nring: ring.yaml\nsteps:\n  - {at: 20ms, do: {hang: left_knee}}\n');
+      await page.locator('#run-scenario').click();
+      await page.locator('#scenario-report', { hasText: 'mine (seed' }).waitFor();
+      await page.waitForFunction((rows) => document.querySelectorAll('#scenario-picture text.row').length === rows, rows);
+    }
+    await headline('16 of 16 nodes up');
     await page.locator('#pause').click();
     const shown = await page.locator('#headline').textContent();
     await page.goto('about:blank');

@@ -205,6 +205,7 @@ function caseBegin(bars, measured_us) {
 
 function runScenario() {
   shown.show = 'scenario';
+  if (by('yaml').value) ask({ do: 'file', path: '/test/scenarios/ring.yaml', text: by('yaml').value }); // its `ring: ring.yaml`
   const answer = ask({ do: 'scenario', path: shown.scenario, text: by('scenario-yaml').value, seed: undefined });
   by('scenario-report').textContent = answer.error ?? answer.report;
   by('scenario-verdict').textContent = answer.error ? '✕ not run' : answer.as_expected ? '✓ as expected' : '✕ not as expected';
