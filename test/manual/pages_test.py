@@ -94,11 +94,14 @@ class Playground(unittest.TestCase):
 class Version(unittest.TestCase):
     def test_one_version_stands_everywhere(self):
         package = re.search(r'<version>(.*)</version>', read('package.xml')).group(1)
-        debian = re.match(r'limb-ring \(([^)]*)\)', read('debian/changelog')).group(1)
-        released = re.search(r'^(\d+\.\d+\.\d+) \(', read('CHANGELOG.rst'), re.M).group(1)
-        self.assertEqual((debian, released), (package, package))
-        readme = re.search(r'Version (\d+\.\d+\.\d+)', read('README.md')).group(1)
-        self.assertEqual(readme, package)
+        said = {'debian/changelog': re.match(r'limb-ring \(([^)]*)\)', read('debian/changelog')).group(1),
+                'CHANGELOG.rst': re.search(r'^(\d+\.\d+\.\d+) \(', read('CHANGELOG.rst'), re.M).group(1),
+                'README.md': re.search(r'Version (\d+\.\d+\.\d+)', read('README.md')).group(1)}
+        self.assertEqual({file: version for file, version in said.items() if version != package}, {}, 'not ' + package)
+
+    def test_the_wire_version_of_the_code_is_that_of_the_specification(self):
+        code = re.search(r'kLinkVersion = (\d+);', read('daemon/io/link_header.h')).group(1)
+        self.assertIn('| 2 | 1 | version | %s |' % code, read('docs/protocol.md'))
 
 
 if __name__ == '__main__':
