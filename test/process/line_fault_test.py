@@ -18,7 +18,7 @@ class Lines(FaultTest):
         row = self.row(2)
         self.assertEqual((row['state'], row['broken_line']['before']), ('open_chain', 1))
         text = self.ctl('status').stdout
-        self.assertRegex(text, r'broken line node1 -> node2 since [0-9.]+ s, announced after [0-9.]+ ms\n')
+        self.assertRegex(text, r'broken line node1 -> node2, [0-9.]+ s ago, announced [0-9.]+ s later\n')
         self.assertRegex(text, r'fault on purpose node1\.1: cut node1 -> node2')
         self.assertEqual(self.row(1)['counters']['output_attempts'], attempts, 'it was bypassed')
         self.assertIn('cut node1 -> node2', self.fault('list'))

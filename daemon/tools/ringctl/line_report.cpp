@@ -22,10 +22,10 @@ std::string broken_lines(const Rows& rows) {
     const status::BrokenLine& line = *row.broken_line;
     if (row.id != line.behind && lines.count(line.behind) != 0) continue;
     // The beacons of a node on another host say where the break is, but not since when.
-    lines[line.behind] = "broken line " + line_name(rows, line.before, line.behind) +
-                         (line.since_s ? " since " + app::number(*line.since_s) + " s" : "") +
-                         (line.announced_ms ? ", announced after " + app::number(*line.announced_ms) + " ms" : "") +
-                         '\n';
+    lines[line.behind] =
+        "broken line " + line_name(rows, line.before, line.behind) +
+        (line.since_s ? ", " + app::number(*line.since_s) + " s ago" : "") +
+        (line.announced_ms ? ", announced " + app::number(*line.announced_ms / 1000, 3) + " s later" : "") + '\n';
   }
   std::string text;
   for (const auto& [behind, line] : lines) text += line;

@@ -67,14 +67,14 @@ TEST(LineReport, BelievesTheNodeBehindABreak) {
   std::vector<json> rows = three_nodes();
   for (json& row : rows) row["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.0}};
   rows[1]["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.31}, {"announced_ms", 21.44}};
-  EXPECT_EQ(line_report(node_rows(rows)), "broken line node0 -> node1 since 12.3 s, announced after 21.4 ms\n");
+  EXPECT_EQ(line_report(node_rows(rows)), "broken line node0 -> node1, 12.3 s ago, announced 0.021 s later\n");
 }
 
 TEST(LineReport, SaysNothingOfAnAnnouncementThatTheNodeBehindABreakDoesNotKnow) {
   std::vector<json> rows = three_nodes();
   for (json& row : rows) row["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.0}};
   rows[1]["broken_line"]["since_s"] = 12.31;
-  EXPECT_EQ(line_report(node_rows(rows)), "broken line node0 -> node1 since 12.3 s\n");
+  EXPECT_EQ(line_report(node_rows(rows)), "broken line node0 -> node1, 12.3 s ago\n");
 }
 
 TEST(LineReport, NamesASecondLineThatIsBrokenByTheNextNodeThatIsThere) {
