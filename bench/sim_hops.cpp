@@ -237,7 +237,7 @@ int main(int argc, char** argv) {
   app.add_option("--hops", options.hops, "Packet-hops per measurement, 1000 to 1000000000")
       ->transform(cli::whole(1000, 1'000'000'000))
       ->capture_default_str();
-  app.add_option("--rounds", options.rounds, "All take turns so many times, 1 to 1000")
+  app.add_option("--rounds", options.rounds, "Rounds in which all take their turn, 1 to 1000")
       ->transform(cli::whole(1, 1000))
       ->capture_default_str();
   app.add_flag("--json", options.json, "Print JSON, for programs");

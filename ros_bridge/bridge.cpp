@@ -21,7 +21,7 @@ void tell_connected(const ConnectOptions& daemon) {
     ROS_INFO("connected to ringd of node '%s' as its CPU", daemon.node.c_str());
   else
     ROS_INFO(
-        "connected to ringd of node '%s'; no node of ring %s has 'cpu: attached', so there are status, events "
+        "connected to ringd of node '%s'. No node of ring %s has 'cpu: attached', so there are status, events "
         "and services, but no joint data and no topics",
         daemon.node.c_str(), daemon.ring.c_str());
 }
@@ -55,8 +55,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
     // As a tool it does not know whether the ring is virtual.
     if (problem.empty() && parameters_.daemon.role == Role::cpu && ros::Time::isSimTime() && !parameters_.follows &&
         !port_.in_lockstep())
-      ROS_WARN(
-          "/use_sim_time is set, but this ring is live: it and its stamps go by the machine's clock, not by /clock");
+      ROS_WARN("/use_sim_time is set, but this ring is live: its stamps follow the machine's clock, not /clock");
   });
   port_.on_interrupt([this](const Interrupt& interrupt) { tell_interrupt(interrupt); });
   if (parameters_.tells_time) port_.on_time([this](std::chrono::nanoseconds now) { tell_time(now); });

@@ -34,8 +34,9 @@ void refuse_too_far(std::int64_t time_ns, std::int64_t zero_ns) {
 /// After a jump back. Time that was allowed before it is still to come, and stamps are counted back from its end.
 void tell_how_far_behind(std::int64_t behind_ns) {
   ROS_WARN(
-      "the ring is still %.3f s behind where /clock was before its jump: until it has caught up, its stamps are as "
-      "much before /clock, and 0 where that would be before 0",
+      "the ring is still %.3f s behind the time that /clock had before its jump. Until it has caught up, its stamps "
+      "are "
+      "that much earlier than /clock, but never below 0",
       in_seconds(behind_ns));
 }
 
@@ -95,7 +96,7 @@ ClockFollower::~ClockFollower() {
 void ClockFollower::on_clock(const Event& event) {
   if (!publisher_.is(event.getPublisherName())) {
     if (others_.allow())
-      ROS_WARN("/clock is published by %s and by %s: the ring follows %s until that is silent",
+      ROS_WARN("/clock is published by %s and by %s. The ring follows %s until that one stops",
                publisher_.name().c_str(), event.getPublisherName().c_str(), publisher_.name().c_str());
     return;
   }
@@ -109,9 +110,9 @@ std::optional<std::int64_t> ClockFollower::await_time() {
   const auto is_over = [this] { return stopping_ || newest_ns_; };
   // Once it has begun it may stand for long, as a simulation does that is paused.
   while (!outer_.has_begun() && !wake_.wait_for(lock, kTellThatItWaits, is_over))
-    ROS_WARN("the ring's time stands at 0 and waits for /clock, which %s",
-             subscriber_.getNumPublishers() == 0 ? "nobody publishes; Gazebo, or rosbag play --clock, would"
-                                                 : "has a publisher that is silent; it may be paused");
+    ROS_WARN("the ring's time stands at 0 and waits for /clock: %s",
+             subscriber_.getNumPublishers() == 0 ? "nobody publishes it; Gazebo does, or rosbag play --clock"
+                                                 : "its publisher is silent, and may be paused");
   wake_.wait(lock, is_over);
   return stopping_ ? std::nullopt : std::exchange(newest_ns_, std::nullopt);
 }
@@ -160,7 +161,7 @@ void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
   clock_.set_outer_zero(step->zero_ns);
   const json allow{{"do", "allow"}, {"until_ns", step->until_ns()}, {"outer_zero_ns", step->zero_ns}};
   const json state = json::parse(port.ask(allow.dump(), kFollowAnswer));
-  if (step->begins) ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s there", in_seconds(time_ns));
+  if (step->begins) ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s of /clock", in_seconds(time_ns));
   const std::int64_t behind_ns = step->reached_ns - state.value("now_ns", step->reached_ns);
   if (const auto more = step->jumped_back ? jumps_.allow() : std::nullopt)
     ROS_WARN(

@@ -70,7 +70,7 @@ void CommandIn::warn_unknown(const std::string& topic, const std::vector<std::st
       ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s", topic.c_str(), name.c_str(),
                joints_.names().c_str());
     else
-      ROS_WARN("%s: joint '%s' is refused: it has no motor and follows '%s', which can be commanded", topic.c_str(),
+      ROS_WARN("%s: joint '%s' is refused: it has no motor, and follows '%s'; command that one", topic.c_str(),
                name.c_str(), leader.c_str());
   }
 }
@@ -78,7 +78,7 @@ void CommandIn::warn_unknown(const std::string& topic, const std::vector<std::st
 void CommandIn::warn_not_given(const std::string& topic, const std::vector<std::string>& names) {
   counters_.lose("commands_not_given", names.size());
   if (const auto held_back = not_given_.allow())
-    ROS_WARN("%s: joint '%s' is named and not commanded: all that is said of it is NaN%s", topic.c_str(),
+    ROS_WARN("%s: joint '%s' is named but not commanded: all its values are NaN%s", topic.c_str(),
              names.front().c_str(), process::and_more(*held_back).c_str());
 }
 

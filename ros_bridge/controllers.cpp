@@ -47,14 +47,15 @@ void Controllers::await_first() {
   if (!port_.in_lockstep() || awaited_first_) return;
   if (!are_there() && !std::exchange(told_, true))
     ROS_INFO(
-        "bridge.lockstep: the ring's time stands until joint_states are heard and somebody sends %s, for %lld s at "
-        "most",
+        "bridge.lockstep: the ring's time stands still until somebody subscribes to joint_states and somebody "
+        "publishes "
+        "%s, for %lld s at most",
         topics().c_str(), static_cast<long long>(kFirstWithin.count() / 1000));
   const Held held = port_.hold_time_until([this] { return are_there(); }, kFirstWithin);
   if (held == Held::let_go) return;  // we wait again before the next joint states
   awaited_first_ = true;
   if (held == Held::fulfilled) return;
-  if (!joints_.is_heard()) ROS_WARN("bridge.lockstep: nobody hears joint_states");
+  if (!joints_.is_heard()) ROS_WARN("bridge.lockstep: nobody subscribes to joint_states");
   for (Controller& controller : controllers_)
     if (!commands_.has_sender(controller.topic)) give_up(controller, kFirstWithin);
 }
@@ -92,7 +93,8 @@ void Controllers::on_command(const CommandIn::Heard& command) {
     if (controller.topic != command.topic) continue;
     controller.name = command.sender;
     if (std::exchange(controller.missing, false))
-      ROS_INFO("bridge.lockstep: %s sends %s again, time waits for it", command.sender.c_str(), command.topic.c_str());
+      ROS_INFO("bridge.lockstep: %s publishes %s again; time waits for it", command.sender.c_str(),
+               command.topic.c_str());
     if (command.stamp >= awaited_)
       controller.answered = true;
     else
@@ -113,9 +115,9 @@ void Controllers::give_up(Controller& controller, milliseconds patience) {
     what = " has not answered the joint_states of " + stamp_in_words(awaited_) + within;
   if (controller.too_old)
     what += "; its command has the stamp " + stamp_in_words(*controller.too_old) +
-            ", and needs that of the joint_states that it answers, or a later one";
+            ", but needs the stamp of the joint_states that it answers, or a later one";
   port_.request(nlohmann::json({{"do", "went_on_without"}, {"whom", who + " on " + controller.topic}}).dump());
-  ROS_WARN("bridge.lockstep, %s: %s%s: time goes on without it, until its next command", controller.topic.c_str(),
+  ROS_WARN("bridge.lockstep, %s: %s%s. Time goes on without it, until its next command", controller.topic.c_str(),
            who.c_str(), what.c_str());
 }
 

@@ -180,7 +180,7 @@ void check_names(XmlRpcValue& parameters) {
     throw std::invalid_argument("parameter ~frames must be a map of: " + config::join(kNames));
   for (auto& [name, value] : parameters)
     if (std::find(kNames.begin(), kNames.end(), name) == kNames.end())
-      throw std::invalid_argument("parameter ~frames/" + name + ": there is none; there are " + config::join(kNames));
+      throw std::invalid_argument("parameter ~frames/" + name + " does not exist; there are " + config::join(kNames));
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ void end_in_order_when_asked() {
 bool is_name_taken() {
   const std::string& name = ros::this_node::getName();
   if (!ros::service::exists(name + "/get_loggers", /*print_failure_reason=*/false)) return false;
-  ROS_FATAL("node %s runs already, and `rosnode kill %s` ends it; or give this one a name or a namespace of its own",
+  ROS_FATAL("node %s runs already. End it by `rosnode kill %s`, or give this one another name or namespace",
             name.c_str(), name.c_str());
   return true;
 }
@@ -113,7 +113,7 @@ void keep_parameters(const ros::NodeHandle& own, const KeptText& kept) {
   XmlRpc::XmlRpcValue known(before, &offset);
   if (known.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
   for (auto& [name, value] : known) own.setParam(name, value);
-  ROS_WARN("the ROS master is new, and did not know this node's parameters: those of before are set again");
+  ROS_WARN("a new ROS master did not know this node's parameters; they have been set again");
 }
 
 }  // namespace

@@ -155,7 +155,7 @@ void warn_of_unknown(const ros::NodeHandle& own) {
   XmlRpc::XmlRpcValue all;
   if (!ros::param::get(own.getNamespace(), all)) return;
   for (const std::string& name : unknown_parameters(all))
-    ROS_WARN("parameter ~%s is unknown, and nobody reads it; there are: %s", config::printable(name).c_str(),
+    ROS_WARN("parameter ~%s is unknown and has no effect; there are: %s", config::printable(name).c_str(),
              config::join(kKnown).c_str());
 }
 

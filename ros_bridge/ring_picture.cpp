@@ -207,7 +207,7 @@ Marker shape_of(const urdf::Link& link) {
 LimbMarks::LimbMarks(const config::RingConfig& ring, const std::string& urdf) : ring_(ring) {
   if (urdf.empty()) return;
   const auto model = urdf::parseURDF(urdf);
-  if (!model) throw std::invalid_argument("parameter robot_description is no URDF");
+  if (!model) throw std::invalid_argument("parameter robot_description is not a URDF");
   root_ = model->getRoot()->name;
   for (const auto& [name, joint] : model->joints_) shapes_[name] = shape_of(*model->getLink(joint->child_link_name));
 }

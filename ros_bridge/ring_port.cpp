@@ -204,7 +204,7 @@ void RingPort::lost(const std::string& reason) {
   results_.clear();
   for (auto& [token, handler] : open)
     if (handler) handler(cancelled(token, reason));
-  report("the daemon is gone: " + reason);
+  report("disconnected: " + reason);
 }
 
 void RingPort::run_posted() {

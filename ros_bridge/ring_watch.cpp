@@ -37,7 +37,7 @@ RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& daemo
 void RingWatch::tell(std::size_t node, const ask::ToldRow& row) {
   const std::string wrong = row.unreadable ? row.why_not : "";
   if (std::exchange(told_[node], wrong) != wrong && row.unreadable)
-    ROS_WARN("the daemon of node '%s' answers no status that can be read, and counts as silent: %s",
+    ROS_WARN("the status of node '%s' cannot be read, and its daemon counts as silent: %s",
              ring_.nodes[node].name.c_str(), wrong.c_str());
 }
 

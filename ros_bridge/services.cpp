@@ -277,9 +277,8 @@ bool ResumeService::resume(Resume::Request& request, Resume::Response& response)
     const auto to = request.node.empty() ? kBroadcast : destination_of(ring_, request.node);
     auto nodes = nodes_to_resume(to);
     if (nodes.empty())
-      throw std::invalid_argument(to == kBroadcast
-                                      ? "no node has joints, and no stop is latched"
-                                      : "node '" + request.node + "' has no joints, and no stop is latched there");
+      throw std::invalid_argument(to == kBroadcast ? "no node has joints, and none is stopped"
+                                                   : "node '" + request.node + "' has no joints, and is not stopped");
     std::vector<std::future<Result>> results;
     for (const auto& one : nodes) results.push_back(resume_from_bridge(one.node.id));
     for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i].result = result_by(deadline, results[i]);

@@ -48,7 +48,7 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
 void TopicIn::warn_too_large(std::size_t bytes) {
   const auto held_back = too_large_.allow();
   if (!held_back) return;
-  ROS_WARN("topic '%s': a message of %zu bytes was not sent, the largest that crosses the ring has %zu%s",
+  ROS_WARN("topic '%s': a message of %zu bytes was not sent; the largest that crosses the ring has %zu bytes%s",
            topic_.input.c_str(), bytes, TopicSender::kLargest, process::and_more(*held_back).c_str());
 }
 
@@ -62,8 +62,8 @@ void TopicIn::look(unsigned published) {
     case PublisherCheck::Verdict::warn:
       // One that died without telling the master counts as connected.
       ROS_WARN(
-          "topic '%s': %u of its %u publishers are not connected: of another type than the others, or dead. Where one "
-          "has died without a word, the next one of another type is heard after 'rosnode cleanup'",
+          "topic '%s': %u of its %u publishers are not connected: they have another type than the others, or are dead. "
+          "'rosnode cleanup' removes dead publishers; a publisher of another type is heard only after that",
           topic_.input.c_str(), published - connected, published);
   }
 }
@@ -75,9 +75,11 @@ void TopicIn::renew() {
 
 void TopicIn::take_type(const payload::Announcement& type) {
   if (!md5sum_.empty() && md5sum_ != type.md5sum)
-    ROS_WARN("topic '%s' is %s (md5sum %s) from here on, it was %s (md5sum %s): who hears '%s' has to take that type",
-             topic_.input.c_str(), type.datatype.c_str(), type.md5sum.c_str(), datatype_.c_str(), md5sum_.c_str(),
-             topic_.output.c_str());
+    ROS_WARN(
+        "topic '%s' now has the type %s (md5sum %s), before it was %s (md5sum %s). Subscribers of '%s' need the new "
+        "type",
+        topic_.input.c_str(), type.datatype.c_str(), type.md5sum.c_str(), datatype_.c_str(), md5sum_.c_str(),
+        topic_.output.c_str());
   datatype_ = type.datatype;
   md5sum_ = type.md5sum;
 }

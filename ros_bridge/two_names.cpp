@@ -17,7 +17,7 @@ bool TwoNames::belongs_to_another(const std::string& name) {
   const MasterState::Nodes providers = MasterState::of(providers_, full);
   if (providers.empty() || providers.count(ros::this_node::getName()) != 0) return false;
   if (!ros::service::exists(full, /*print_failure_reason=*/false)) return false;  // what a dead node has left behind
-  ROS_WARN("service %s is that of node %s; this bridge's is %s", full.c_str(), providers.begin()->c_str(),
+  ROS_WARN("service %s belongs to node %s; this bridge offers %s", full.c_str(), providers.begin()->c_str(),
            own_.resolveName(name).c_str());
   return true;
 }

@@ -95,7 +95,7 @@ static const char* sentence(EncodeError error) {
     case EncodeError::not_a_number:
       return "is not a number";
     case EncodeError::too_many_items:
-      return "does not fit into one packet of 512 bytes any more";
+      return "no longer fits into one packet of 512 bytes";
     case EncodeError::too_large:
       return "is longer than the format allows";
     case EncodeError::bad_field:

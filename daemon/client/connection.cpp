@@ -136,7 +136,7 @@ void Connection::take_frames() {
     if (parse.status == FrameParse::Status::incomplete) return;
     const bool frame = parse.status == FrameParse::Status::frame;
     std::optional<ToClient> message = frame ? decode_to_client(parse.frame) : std::nullopt;
-    if (!message) return lose("the daemon sent what is no message of this library's version");
+    if (!message) return lose("the daemon sent something that is not a message of this library's version");
     std::visit([this](auto& kind) { on(std::move(kind)); }, *message);
     in_.used(parse.consumed);
   }

@@ -149,7 +149,7 @@ struct JointNode::Impl {
   }
   void take(const Result& result) { cpu.receive(result); }
   void take(const Disconnected& end) {
-    say("the daemon is gone: " + end.reason);
+    say("disconnected: " + end.reason);
     exit_code = 1;
   }
   void take(const Reply&) {}

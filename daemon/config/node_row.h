@@ -54,13 +54,13 @@ struct Latch {
   X(Maybe<double>, since_s, {}, some,                                                                    \
     "since the node behind it heard the last of it or saw its end; at other nodes since they were told") \
   X(Maybe<double>, announced_ms, {}, some,                                                               \
-    "at the node behind alone: from then until it was sure that nothing is left but a break, and told all")
+    "only at the node behind it: from then until that node was sure of a break, and told all others")
 struct BrokenLine {
   LIMB_RING_MEMBERS(LIMB_RING_BROKEN_LINE)
 };
 
 #define LIMB_RING_STOP(X)                                                                         \
-  X(bool, latched, false, told, "the CPU says that a stop is latched")                            \
+  X(bool, latched, false, told, "the CPU says that it is stopped")                                \
   X(bool, latches, true, told, "false: the CPU has said that it never latches one")               \
   X(std::uint64_t, pulled, 0, told, "how often its stop pin was pulled since the daemon's start") \
   X(Maybe<std::int64_t>, pulled_ms, {}, null, "how long ago; null: never")
@@ -87,7 +87,7 @@ struct Stop {
   X(Maybe<std::uint64_t>, failed_boots, {}, some, "children that did not attach in time, or not at all")             \
   X(Maybe<Text>, last_exit, {}, some, "how the last one ended: \"exit 3\", \"signal 9 (Killed)\"")                   \
   X(Maybe<Stop>, stop, {}, some, "what is known of a stop of its joints")                                            \
-  X(Text, verdict, {}, some, "`ringctl status` alone: what the ring's supervisor says of it")
+  X(Text, verdict, {}, some, "only of `ringctl status`: what the ring's supervisor says of it")
 struct Cpu {
   LIMB_RING_MEMBERS(LIMB_RING_CPU)
 
@@ -201,7 +201,7 @@ struct Fold {
   X(std::uint64_t, resets, 0, always, "ordered")                                                                     \
   X(std::uint64_t, confirmed, 0, always, "of those: a higher number of CPU boots was heard")                         \
   X(std::uint64_t, tries, 0, told, "resets since it last ran for long")                                              \
-  X(bool, given_up, false, told, "hung, and not reset any more")                                                     \
+  X(bool, given_up, false, told, "hung, and no longer reset")                                                        \
   X(Text, last, {}, always, "the last finding")                                                                      \
   X(Text, reset_reason, {}, told, "of the last reset")
 /// A CPU, as the ring's supervisor finds it.
@@ -242,10 +242,10 @@ struct Supervisor {
   X(std::vector<Heard>, heard, {}, told, "the other nodes, by their beacons")                                      \
   X(Maybe<Fold>, fold, {}, some, "where the ring folds back")                                                      \
   X(Maybe<Supervisor>, supervisor, {}, some, "at the ring's supervisor: what its watchdog knows")                  \
-  X(Text, host, {}, some, "`ringctl status` alone: where the ring's file gives hosts")                             \
-  X(Text, unanswered, {}, some, "`ringctl status` alone: why its daemon has not answered")                         \
-  X(bool, elsewhere, false, some, "`ringctl status` alone: all this is from its beacons")                          \
-  X(Maybe<Latch>, latch, {}, some, "`ringctl status` alone: as its beacons tell it")
+  X(Text, host, {}, some, "only of `ringctl status`: its host, if the ring's file gives hosts")                    \
+  X(Text, unanswered, {}, some, "only of `ringctl status`: why its daemon has not answered")                       \
+  X(bool, elsewhere, false, some, "only of `ringctl status`: all this is from its beacons")                        \
+  X(Maybe<Latch>, latch, {}, some, "only of `ringctl status`: as its beacons tell it")
 /// A node's status. `ringctl` makes a row also of a node whose daemon does not answer.
 struct NodeRow {
   LIMB_RING_MEMBERS(LIMB_RING_NODE_ROW)

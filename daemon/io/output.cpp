@@ -156,7 +156,7 @@ void Output::on_refused(std::size_t candidate, const LinkHeader& refuse) {
     if (!alive) {
       successor_.absent(candidate, now);
     } else if (!successor_.says_busy(candidate, now)) {
-      tell(candidate, "it says for 10 s that a nearer node is before it, and none is: passed over");
+      tell(candidate, "passed over: for 10 s it has said that a nearer node precedes it, but none does");
     }
     if (for_good(refusal)) note(candidate, reason);
   }

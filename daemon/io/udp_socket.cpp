@@ -53,7 +53,7 @@ UdpAddress udp_address(const Endpoint& endpoint) {
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(endpoint.address, error);
   if (error) {
-    throw failure(endpoint, "'" + endpoint.address + "' is no numeric address, as 127.0.0.1 is");
+    throw failure(endpoint, "'" + endpoint.address + "' is not a numeric address such as 127.0.0.1");
   }
   return {address, endpoint.port};
 }

@@ -118,7 +118,7 @@ void UnixStream::take(std::size_t size) {
   owner_->on_heard();
   if (feed_.commit(size, handler_, counters_)) return;
   ++counters_.malformed;
-  if (owner_ != nullptr) owner_->on_ended("what it sent is no slice");
+  if (owner_ != nullptr) owner_->on_ended("what it sent is not a slice");
 }
 
 void UnixStream::tell(const LinkHeader& header) {

@@ -65,7 +65,7 @@ void remove_leftover(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) return;
   if (!S_ISSOCK(found.st_mode) && !S_ISLNK(found.st_mode)) {
-    throw std::runtime_error("cannot listen at " + path + ": a file that is no socket is in the way; remove it");
+    throw std::runtime_error("cannot listen at " + path + ": a file that is not a socket is in the way; remove it");
   }
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) throw failure(path, "cannot remove the old socket", errno);
 }

@@ -68,7 +68,7 @@ std::uint64_t take_number(wire::ByteView& bytes) {
 }
 
 wire::ByteView checked(wire::ByteView saved) {
-  if (saved.size < kTitleSize + wire::kCrcSize) throw std::runtime_error("this is no saved recording");
+  if (saved.size < kTitleSize + wire::kCrcSize) throw std::runtime_error("this is not a saved recording");
   const wire::ByteView bytes = saved.first(saved.size - wire::kCrcSize);
   if (wire::crc32(bytes) != wire::load_u32(bytes.end()))
     throw std::runtime_error("it was changed since it was saved, or cut off: its CRC differs");
@@ -80,7 +80,7 @@ wire::ByteView checked(wire::ByteView saved) {
 Title read_title(wire::ByteView bytes) {
   constexpr std::size_t kForm = kMagic.size() - 1;  // the last letter is the form
   if (bytes.size < kTitleSize || std::memcmp(bytes.data, kMagic.data(), kForm) != 0)
-    throw std::runtime_error("this is no recording of a node");
+    throw std::runtime_error("this is not a recording of a node");
   if (bytes[kForm] != static_cast<std::uint8_t>(kMagic[kForm]))
     throw std::runtime_error("it was recorded by another version of limb_ring, in a form that this one does not read");
   Title title;

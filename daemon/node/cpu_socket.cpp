@@ -96,7 +96,7 @@ void CpuSocket::drop_client() {
 }
 
 void CpuSocket::forget(const host::ClientInfo& client) {
-  if (stop_.latched) spdlog::warn("{}the stop that was latched here ends with its CPU", log_prefix_);
+  if (stop_.latched) spdlog::warn("{}the stop of this node ends, because its CPU has ended", log_prefix_);
   stop_latched(false);
   stop_.latches = true;
   watch_.end();

@@ -89,7 +89,7 @@ void CpuWatch::look_at_commands() {
   if (commands_ < kCommands) return;
   const auto refused = static_cast<std::uint16_t>(refused_ - refused_at_first_);
   const std::string why = !has_states_   ? "it sends no joint states that could say why"
-                          : refused != 0 ? "it refuses them as stale, early, older or unfit, or not to be read"
+                          : refused != 0 ? "it refuses them as stale, early, older, unfit or unreadable"
                                          : "its firmware neither takes nor refuses them";
   warn(kObeysNone, "its CPU was given commands for its joints and obeys none: " + why);
 }

@@ -59,7 +59,7 @@ void Engine::record(const std::string& path, std::size_t size, recorder::Title t
   title.date = in_ns(system_clock::now().time_since_epoch()) - core::whole_nanoseconds(now.time_since_epoch()).count();
   title.settings = controller_.settings();
   recorder_ = std::make_unique<recorder::RecorderFile>(path, size, controller_, title, now, [this] {
-    spdlog::warn("recorder: the state of the node has no room any more; enlarge recorder.size");
+    spdlog::warn("recorder: the state of the node no longer fits; enlarge recorder.size");
   });
   recorder_->set_next(journal_);
   record_again_ = [this, path, size, title] {

@@ -108,8 +108,9 @@ void EventRouter::pull(std::uint8_t factor, std::uint8_t source, std::int64_t cl
 
 void EventRouter::handle(const core::StateChanged& change) {
   const auto& membership = to_.driver.controller().membership();
-  log(state_lines_,
-      fmt::format("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size()));
+  const std::string size =
+      membership.ring_size() == 0 ? "" : fmt::format(", ring size {}", membership.ring_size());  // 0: not known yet
+  log(state_lines_, fmt::format("{} -> {}{}", to_string(change.before), to_string(change.after), size));
   const auto line = membership.broken_line();
   nlohmann::json broken;
   if (line) broken = {{"before", std::uint8_t{line->before}}, {"behind", std::uint8_t{line->behind}}};
@@ -123,10 +124,9 @@ void EventRouter::handle(const core::StateChanged& change) {
 
 void EventRouter::on_cpu_changed() {
   const CpuStatus status = to_.cpu.status();
-  if (status.pid > 0 && !status.ending)
-    spdlog::info("{}CPU {} (pid {}, boot {})", to_.log_prefix, to_string(status.state), status.pid, status.boots);
-  else
-    spdlog::info("{}CPU {}", to_.log_prefix, to_string(status.state));
+  std::string process = status.pid > 0 && !status.ending ? fmt::format(" (pid {}", status.pid) : "";
+  if (!process.empty()) process += status.boots == 0 ? ")" : fmt::format(", boot {})", status.boots);
+  spdlog::info("{}CPU {}{}", to_.log_prefix, to_string(status.state), process);
   to_.observers.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
   to_.interrupts.on_cpu_changed(wire::NodeId{to_.node.id});
   if (status.boots != std::exchange(cpu_boots_, status.boots)) to_.faults.cpu_booted();

@@ -146,7 +146,7 @@ void step(ClockControl& clock, const Json& request, const Answer& answer) {
 
 void went_on_without(ClockControl& clock, const Json& request, const Answer& answer) {
   const auto whom = request.find("whom");
-  if (whom == request.end() || !whom->is_string()) throw RequestError("'whom' is missing or no text");
+  if (whom == request.end() || !whom->is_string()) throw RequestError("'whom' is missing or not a string");
   clock.went_on_without(whom->get<std::string>());
   answer(Json::object());
 }
@@ -155,7 +155,7 @@ void allow(ClockControl& clock, const Json& request, const Answer& answer) {
   const nanoseconds until = nanoseconds_in(request, "until_ns", 0, kLongest);
   const auto zero = request.find("outer_zero_ns");
   if (zero == request.end() || !zero->is_number_integer())
-    throw RequestError("'outer_zero_ns' is missing or no whole number");
+    throw RequestError("'outer_zero_ns' is missing or not a whole number");
   if (!clock.allow(until, nanoseconds(zero->get<std::int64_t>())))
     throw RequestError("this ring's clock follows no other: 'ringctl up CONFIG --clock follow' has one that does");
   answer(state_of(clock));

@@ -53,7 +53,7 @@ process::UniqueFd copy_of(const std::string& path) {
 struct LibraryNode::Code {
   explicit Code(const std::string& path) : copy(copy_of(path)) {
     handle.reset(::dlopen(("/proc/self/fd/" + std::to_string(copy.get())).c_str(), RTLD_NOW | RTLD_LOCAL));
-    if (!handle) throw std::runtime_error(path + " is no shared library for this machine: " + ::dlerror());
+    if (!handle) throw std::runtime_error(path + " is not a shared library for this machine: " + ::dlerror());
     find(path, "library_node_begin", begin);
     find(path, "library_node_came", came);
     find(path, "library_node_passed", passed);
@@ -92,7 +92,7 @@ struct LibraryNode::FarEnd final : private link::InputLine, private link::InputH
   void on_input_up(std::uint8_t) override { node.ring_.guest_connected(node.id_); }
   void on_input_lost(std::string_view reason) override { node.lost(reason); }
   void on_unknown_peer(std::string_view reason) override {
-    spdlog::warn("{}: node {} does not let it in: {}", node.node_.name, +id, reason);
+    spdlog::warn("{}: node {} refuses its line: {}", node.node_.name, +id, reason);
   }
 
   LibraryNode& node;
@@ -175,7 +175,7 @@ void LibraryNode::keep_lines() {
     wire::SliceWriter idle;
     idle.put(wire::SliceKind::idle, {});
     send_slices(idle.view());
-    if (before_->silence.tick(link_time())) lost("it says no more that it takes what comes in");
+    if (before_->silence.tick(link_time())) lost("it has stopped saying that it takes what comes in");
   }
   if (after_ && after_->input.tick(link_time())) after_->input.lose_if_silent();
 }

@@ -188,10 +188,10 @@ std::string why() { return std::generic_category().message(errno); }
 void check_owner(int fd, const std::string& path) {
   struct stat found {};
   if (::fstat(fd, &found) != 0) throw failure(path, why());
-  if (!S_ISREG(found.st_mode)) throw failure(path, "is no file");
+  if (!S_ISREG(found.st_mode)) throw failure(path, "is not a file");
   if (found.st_uid != ::geteuid())
     throw failure(path, "belongs to user " + std::to_string(found.st_uid) + ", and this is user " +
-                            std::to_string(::geteuid()) + ": it has to be of the user who runs the ring");
+                            std::to_string(::geteuid()) + ": it must belong to the user who runs the ring");
   if ((found.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
   throw failure(path, "others may use it: 'chmod 600 " + path +
                           "', and if somebody may have read it, a new one of 'ringctl hosts key' on all hosts");

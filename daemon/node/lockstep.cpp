@@ -167,13 +167,15 @@ void Lockstep::gets_stuck(std::uint8_t node, Program& program) {
   const pid_t pid = program.session->info().pid;
   left_ = left_ || process::is_stopped(pid);
   if (process::is_stopped(pid))
-    return spdlog::warn("{}: its CPU, pid {}, is stopped, at {:.9f} s of the ring's time; the ring goes on without it",
-                        config_.find(node)->name, pid, seconds(ring_.now()));
+    return spdlog::warn(
+        "{}: its CPU, pid {}, was stopped by a signal at {:.9f} s of the ring's time; the ring goes on without it",
+        config_.find(node)->name, pid, seconds(ring_.now()));
   somebody_was_stuck_ = true;
   spdlog::warn(
-      "{}: its CPU ({}, pid {}) is stuck at {:.9f} s of the ring's time: it has not waited again for {} ms; the "
+      "{}: its CPU ({}, pid {}) is stuck at {:.9f} s of the ring's time: it has not waited again for {:g} s; the "
       "ring goes on without it",
-      config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), patience_with(node).count());
+      config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()),
+      std::chrono::duration<double>(patience_with(node)).count());
   on_stuck(node, process::program_of(pid) + ", does not answer");
 }
 
@@ -199,7 +201,7 @@ void Lockstep::judge_sleep(std::uint8_t node, Program& program, nanoseconds wind
        << ") holds the ring's time: it slept "
        << "for " << std::lround(100 * slept) << " % of the last "
        << std::lround(std::chrono::duration<double>(window).count())
-       << " s, while time waited for it; it should wait by receive() or sleep_until() of its port, which let time pass";
+       << " s, while time waited for it. It should wait by receive() or sleep_until() of its port, which let time pass";
   program.holds_time = text.str();
   if (program.told && steady_clock::now() - *program.told < kSleepTold) return;
   program.told = steady_clock::now();
@@ -229,10 +231,11 @@ void Lockstep::gets_restless(std::uint8_t node, Program& program) {
   program.restless = true;
   const std::string name = process::program_of(program.session->info().pid);
   spdlog::warn(
-      "{}: its CPU ({}, pid {}) lets no time pass at {:.9f} s of the ring's time: {} turns in this instant; it "
-      "asks, or sends what is rejected, again and again, or waits for a time that is over. From now on it has a turn "
-      "each {} ms",
-      config_.find(node)->name, name, program.session->info().pid, seconds(ring_.now()), kMostTurns, kRest.count());
+      "{}: its CPU ({}, pid {}) lets no time pass at {:.9f} s of the ring's time: it had {} turns in this instant. It "
+      "asks again and again, sends again and again what is rejected, or waits for a time that is over. From now on it "
+      "has a turn every {:g} s",
+      config_.find(node)->name, name, program.session->info().pid, seconds(ring_.now()), kMostTurns,
+      std::chrono::duration<double>(kRest).count());
   on_stuck(node, name + ", lets no time pass");
 }
 
@@ -400,10 +403,10 @@ bool Boots::is_late(std::uint8_t node, const Boot& boot) const {
 void Boots::give_up(std::uint8_t node, const Boot& boot) const {
   const std::string& name = config_.find(node)->name;
   if (boot.ends)
-    spdlog::warn("{}: its CPU was to end and has not within {} s; time goes on", name, kEndsWithin.count());
+    spdlog::warn("{}: its CPU has not ended within {} s, as it was asked to; time goes on", name, kEndsWithin.count());
   else
-    spdlog::warn("{}: bridge.lockstep: its CPU, the bridge, has not come within {} s; time goes on without it", name,
-                 kAttachedWithin.count());
+    spdlog::warn("{}: bridge.lockstep: the bridge has not connected as its CPU within {} s; time goes on without it",
+                 name, kAttachedWithin.count());
 }
 
 }  // namespace limb_ring::virtual_host

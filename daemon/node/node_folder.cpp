@@ -68,14 +68,14 @@ void FolderWatch::stop() {
 
 void FolderWatch::check_log() {
   if (process::empty_long_log(folder_.path, kMostLog))
-    spdlog::warn("this log had more than {} MiB, and begins anew", kMostLog >> 20);
+    spdlog::warn("this log had more than {} MiB, and begins again", kMostLog >> 20);
 }
 
 void FolderWatch::check_folder() {
   if (folder_.is_in_place()) return;
   try {
     folder_.make_again();
-    spdlog::warn("the runtime folder, or a file of this node in it, was removed or cut off, and is made again");
+    spdlog::warn("the runtime folder, or a file of this node in it, was removed or truncated, and has been made again");
     told_ = false;
   } catch (const host::NodeHeld& taken) {
     spdlog::error("the runtime folder was removed, and {}: ending", taken.what());
@@ -96,7 +96,7 @@ BootRecord::BootRecord(const std::string& directory, std::uint8_t id) {
   const std::string path = directory + "/" + std::to_string(id) + ".boot";
   fd_ = process::open_regular(path, O_RDWR | O_CREAT);
   if (!fd_.valid()) {
-    spdlog::warn("{}: {}; the next process of this node cannot go on from this one's boot number", path,
+    spdlog::warn("{}: {}; the next process of this node cannot continue this one's boot number", path,
                  process::why_not_opened(path));
     return;
   }

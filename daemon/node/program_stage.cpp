@@ -217,7 +217,7 @@ using std::chrono::milliseconds;
 
 std::vector<std::string> not_with_programs(const Scenario& scenario) {
   std::vector<std::string> reasons;
-  if (scenario.world == scenario::World::soak) reasons.emplace_back("world: soak: its CPUs are no programs");
+  if (scenario.world == scenario::World::soak) reasons.emplace_back("world: soak: its CPUs are not programs");
   if (scenario.boot_time != std::chrono::floor<milliseconds>(scenario.boot_time))
     reasons.push_back("boot_time: " + config::format_time(scenario.boot_time) +
                       ": of real programs it is whole milliseconds");

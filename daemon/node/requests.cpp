@@ -109,7 +109,7 @@ void stop_latched(const Targets& to, const Json& request, const Answer& answer) 
   else if (latched.is_boolean())
     to.cpu.stop_latched(latched.get<bool>());
   else
-    throw RequestError("'latched' is missing or none of these; allowed: true, false, \"never\"");
+    throw RequestError("'latched' is missing or wrong; allowed: true, false, \"never\"");
   answer(Json::object());
 }
 
@@ -117,7 +117,7 @@ void warn(const Targets& to, const Json& request, const Answer& answer) {
   constexpr std::size_t kLongest = 1000;
   const Json text = request.value("text", Json());
   if (!text.is_string() || text.get<std::string>().empty() || text.get<std::string>().size() > kLongest)
-    throw RequestError("'text' is missing or none; allowed: a sentence of 1 to 1000 bytes");
+    throw RequestError("'text' is missing or wrong; allowed: a sentence of 1 to 1000 bytes");
   to.cpu.watch().told(text.get<std::string>());
   answer(Json::object());
 }
@@ -295,7 +295,7 @@ const RequestKind& kind_of(const Json& request, bool of_cpu) {
   if (kind == nullptr)
     throw RequestError("no request '" + request["do"].get<std::string>() + "'; there are " + names());
   require_known_members(request, *kind);
-  if (kind->whom == For::cpu && !of_cpu) throw RequestError(kind->name + " is for the node's CPU alone");
+  if (kind->whom == For::cpu && !of_cpu) throw RequestError("only the node's CPU may say " + kind->name);
   return *kind;
 }
 

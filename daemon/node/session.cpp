@@ -24,7 +24,7 @@ std::string reason_of(SessionOwner::End how) {
     case SessionOwner::End::closed:
       return "";
     case SessionOwner::End::garbage:
-      return "this is no message of the host port";
+      return "this is not a message of the host port";
     case SessionOwner::End::never_greeted:
       return "no greeting came within 2 s";
     case SessionOwner::End::too_slow:

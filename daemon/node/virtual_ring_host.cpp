@@ -167,7 +167,7 @@ void VirtualRingHost::begin(const fault::Fault& fault, const std::function<void(
     one.nodes = {id};
     const auto node = nodes_.find(id);
     if (library(id) != nullptr) {
-      done("node " + config_.find(id)->name + " is not ours: its code alone knows its CPU and its line");
+      done("node " + config_.find(id)->name + " is foreign: only its own code knows its CPU and its line");
       continue;
     }
     if (node == nodes_.end() || node_faults_->is_frozen(id)) {

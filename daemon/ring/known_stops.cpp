@@ -216,8 +216,7 @@ std::vector<Node> wait_for_resumes(const std::string& ring, const std::vector<No
 }
 
 std::string sentence_of_latched(const Node& node) {
-  return node.name +
-         ": a stop is still latched there, though its node has taken the resume: the CPU read it too late, " +
+  return node.name + ": it is still stopped, though its node has taken the resume: the CPU read it too late, " +
          "or there was another stop";
 }
 

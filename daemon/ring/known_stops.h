@@ -78,7 +78,7 @@ std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::ve
 /// @param nodes have taken the command that ends it
 /// @return those that still do, as after a command that came too late for the CPU
 std::vector<Node> wait_for_resumes(const std::string& ring, const std::vector<Node>& nodes);
-/// "knee: a stop is still latched there; ..."
+/// "knee: it is still stopped, ..."
 std::string sentence_of_latched(const Node& node);
 
 bool any_is(const std::vector<KnownStop>& stops, StopState state);

@@ -171,7 +171,7 @@ pid_t RunningDaemons::pid_here(wire::NodeId id) const {
   };
   if (holder.pid <= 0 || !has_program())
     throw NotDone("the daemon of node " + node(id).name +
-                  " is not among the processes that are seen from here, as where it runs in a container: do it there");
+                  " cannot be seen among the processes here. If it runs in a container, do it there");
   return holder.pid;
 }
 

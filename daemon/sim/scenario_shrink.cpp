@@ -202,7 +202,7 @@ class Shrinker {
       const fs::path ring = fs::path(request_.path).parent_path() / best_["ring"].Scalar();
       best_["ring"] = fs::absolute(ring).lexically_normal().lexically_proximate(fs::absolute(request_.beside)).string();
     }
-    const std::string how = result_.stopped ? "made smaller in so many runs" : "made as small as it could be";
+    const std::string how = result_.stopped ? "made smaller until stopped" : "made as small as it could be";
     return "# " + request_.path + ", " + how + ".\n# Expected: " + wanted_.expected +
            "\n# Seen:     " + result_.run.unmet->seen + "\n" + YAML::Dump(best_) + "\n";
   }

@@ -186,7 +186,7 @@ std::optional<Violation> not_whole(VirtualRing& ring) {
 std::optional<Violation> not_silent(const VirtualRing& ring, std::uint64_t slices) {
   if (slices == 0) return std::nullopt;
   return Violation{Promise::whole_again, ring.now(),
-                   std::to_string(slices) + " slices that are no beacon's still circulate"};
+                   std::to_string(slices) + " slices of packets other than beacons still circulate"};
 }
 
 }  // namespace limb_ring::sim

@@ -237,7 +237,7 @@ constexpr std::array<const char*, 10> kWords{"lost", "header-damaged", "data-dam
 unsigned number_from(const std::string& text, const std::string& part) {
   if (config::are_digits(text, 6)) return static_cast<unsigned>(std::stoul(text));
   throw std::invalid_argument("'" + part + "': '" + text +
-                              "' is no whole number from 0 to 999999, as in 12:lost or 20:restart:1");
+                              "' is not a whole number from 0 to 999999, as in 12:lost or 20:restart:1");
 }
 
 Choice choice_from(const std::string& part) {
@@ -259,7 +259,7 @@ Choice choice_from(const std::string& part) {
   }
   std::string allowed;
   for (const char* known : kWords) allowed += std::string(allowed.empty() ? "" : ", ") + known;
-  throw std::invalid_argument("'" + part + "': '" + word + "' is none of " + allowed);
+  throw std::invalid_argument("'" + part + "': '" + word + "' is not one of " + allowed);
 }
 
 }  // namespace

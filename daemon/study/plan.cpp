@@ -257,9 +257,9 @@ std::string verdict(const config::RingConfig& ring, const Plan& plan) {
     if (plan.nodes[n].data > plan.nodes[node].data) node = n;
     if (plan.lines[n] > plan.lines[line]) line = n;
   }
-  return "The ring carries this. The busiest node is " + ring.nodes[node].name + ", with a packet under way " +
-         percent(plan.nodes[node].data) + " of the time at most; the busiest line, " + line_name(ring, line) +
-         ", is in use " + percent(plan.lines[line]) + " of it.\n";
+  return "The ring carries this. The busiest node, " + ring.nodes[node].name + ", has a packet under way for at most " +
+         percent(plan.nodes[node].data) + " of the time. The busiest line, " + line_name(ring, line) +
+         ", is in use for at most " + percent(plan.lines[line]) + ".\n";
 }
 
 }  // namespace limb_ring::study

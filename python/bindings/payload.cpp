@@ -108,7 +108,7 @@ void bind_joint_state(py::module& module) {
       .def_readwrite("safe", &State::Mode::safe, "at least one joint is in its safe state")
       .def_readwrite("hold", &State::Mode::hold, "... and holds its position")
       .def_readwrite("damp", &State::Mode::damp, "... and lets its velocity decay")
-      .def_readwrite("stopped", &State::Mode::stopped, "a stop is latched until a command resumes")
+      .def_readwrite("stopped", &State::Mode::stopped, "by an emergency stop, until a command resumes it")
       .def_readwrite("command_refused", &State::Mode::command_refused, "a command was refused since the last state")
       .def_readwrite("saturated", &State::Mode::saturated, "a value was out of range and cut to it");
   py::class_<State::Joint>(state, "Joint")

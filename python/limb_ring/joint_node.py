@@ -66,7 +66,7 @@ class JointNode:
         self._node.on_sensor(_text('name', name), measure)
 
     def on_packet(self, take):
-        """A packet that is no joint data came: take(packet) returns whether it is for this CPU."""
+        """A packet came that is not joint data: take(packet) returns whether it is for this CPU."""
         self._node.on_packet(take)
 
     def on_notify(self, take):

@@ -274,7 +274,7 @@ class Ring:
         self.ctl('reset', node, '--timeout', timeout, timeout=_time('timeout', timeout) + 10)
 
     def stop(self):
-        """Emergency stop: latched at every node, until resume(). @raise RingError where it did not reach all"""
+        """Emergency stop of every node, until resume(). @raise RingError if it did not reach all"""
         self.ctl('stop')
 
     def resume(self):

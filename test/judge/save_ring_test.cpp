@@ -89,7 +89,7 @@ TEST(Save, ofARingGoesOnBehindARecordingThatIsNone) {
   EXPECT_EQ(saved.recordings, 1u);
   EXPECT_TRUE(fs::exists(recording_of(to, 3)));
   EXPECT_THAT(saved.problems, testing::ElementsAre(testing::HasSubstr("1.record is empty"),
-                                                   testing::HasSubstr("2.record: this is no recording")));
+                                                   testing::HasSubstr("2.record: this is not a recording")));
 }
 
 TEST(Recorder, thatFindsNoRoomLeavesTheRecordingsOfFormerLives) {

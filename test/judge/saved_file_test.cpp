@@ -176,7 +176,7 @@ TEST_F(SavedFile, withAnyByteChangedIsRefused) {
   std::ofstream(saved("1.record"), std::ios::binary) << good.substr(0, good.size() / 2);
   EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("cut off"));
   std::ofstream(saved("1.record"), std::ios::binary) << "";
-  EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("no saved recording"));
+  EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("not a saved recording"));
 }
 
 TEST_F(SavedFile, ofAnotherFormSaysThatItIs) {

@@ -60,7 +60,7 @@ TEST_F(UnknownPeer, TalkingAnotherProtocolIsDisconnected) {
   RawClient client("r", "3");
   const std::string http = "GET / HTTP/1.1\r\n\r\n";
   client.say_bytes(client::Bytes(http.begin(), http.end()));
-  EXPECT_THAT(shown_out(client), HasSubstr("no message of the host port"));
+  EXPECT_THAT(shown_out(client), HasSubstr("not a message of the host port"));
   EXPECT_EQ(server->counters().garbage, 1u);
   EXPECT_TRUE(handler.attached.empty());
   expect_still_serving();

@@ -136,7 +136,7 @@ class Folder(RingTest):
                 done = self.ctl('up', self.write_ring(nodes), '--clock', clock, '--detach', '--timeout', 60)
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                 log = os.path.join(self.ring_folder(), '1.log' if clock == 'machine' else 'ring.log')
-                self.wait('a new beginning', lambda: 'more than 4 MiB, and begins anew' in self.read(log))
+                self.wait('a new beginning', lambda: 'more than 4 MiB, and begins again' in self.read(log))
                 self.assertLess(os.path.getsize(log), 10000)
                 self.assertEqual(self.ctl('down', self.ring).returncode, 0)
 

@@ -141,7 +141,7 @@ class Stop(LimbRing):
         self.stop_process(pid)
         late = self.ctl('resume', 'node3')
         self.assertEqual(late.returncode, 1, late.stdout)
-        self.assertIn('node3: a stop is still latched there', late.stdout)
+        self.assertIn('node3: it is still stopped', late.stdout)
         rows = self.ctl_json('resume', code=1)['nodes']
         self.assertEqual([(row['name'], row['outcome'], row['stop_latched']) for row in rows],
                          [('node%d' % node, 'delivered', node == 3) for node in range(4)])
@@ -196,7 +196,7 @@ class Stop(LimbRing):
 
     def test_only_the_cpu_itself_says_that_it_has_stopped(self):
         self.start_limbs()
-        self.assert_refused("for the node's CPU alone|no request", self.port(0), {'do': 'stop_latched', 'latched': True})
+        self.assert_refused("only the node's CPU may|no request", self.port(0), {'do': 'stop_latched', 'latched': True})
 
     def test_a_cpu_that_never_latches_a_stop_says_so_and_the_next_one_may(self):
         nodes = limbs(4)

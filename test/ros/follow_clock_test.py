@@ -61,7 +61,7 @@ class FollowClock(unittest.TestCase):
         others = [Newest(topic, kind) for topic, kind in (
             ('sensors/knee_imu', Imu), ('ring_status', RingStatus), ('ring_events', RingEvent), ('ring_frames', Frame),
             ('/diagnostics', DiagnosticArray))]
-        wait_for(lambda: any('waits for /clock, which nobody publishes' in line for line in said), 'the word that it waits')
+        wait_for(lambda: any('waits for /clock: nobody publishes it' in line for line in said), 'the word that it waits')
         clock = OuterClock(START)
         self.addCleanup(clock.end)
 
@@ -128,7 +128,7 @@ class FollowClock(unittest.TestCase):
         clock.jump(1e7)
         joints.wait(lambda states: clock.now > 1e7 > seconds(states) > 20, 'the clock to be followed far forward')
         clock.jump_to(5.0)
-        wait_for(lambda: [line for line in said if 'until it has caught up, its stamps are as much before /clock' in line],
+        wait_for(lambda: [line for line in said if 'Until it has caught up, its stamps are that much earlier than /clock' in line],
                  'the word that the ring is behind')
         joints.wait(lambda states: seconds(states) == 0, 'a stamp that cannot be before 0')
 

@@ -60,7 +60,7 @@ class NewMaster(unittest.TestCase):
         wait_for(self.bridge_is_known, 'the new master to know it')
         self.assertEqual(self.master.getParam('/ring_bridge/node'), 'head')
         self.assertEqual(self.master.getParam('/ring_bridge/rate'), 7)
-        self.assertIn('those of before are set again', launch.said())
+        self.assertIn('they have been set again', launch.said())
         self.assertIsNone(launch.poll())
 
 

@@ -1,4 +1,4 @@
-// What a daemon answers that is none of ours, or of another version.
+// Answers of a daemon that is not ours, or that has another version.
 #include "ros_bridge/ring_watch.h"
 
 #include <gmock/gmock.h>
@@ -88,7 +88,8 @@ TEST_F(Watching, AnythingElseIsNamedAndTheNodeCountsAsSilent) {
                                     row(R"("pid": 4711, "heard": 7)"), std::string("[4711]"), std::string("{")}) {
     ::testing::internal::CaptureStderr();
     const auto nodes = poll(answer);
-    EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("node 'body' answers no status")) << answer;
+    EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("the status of node 'body' cannot be read"))
+        << answer;
     ASSERT_EQ(nodes.size(), 3u) << answer;
     for (const NodeStatus& node : nodes) EXPECT_EQ(node.state, "down") << answer;
     EXPECT_EQ(nodes[0].pid, 0) << answer;

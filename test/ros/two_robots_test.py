@@ -77,7 +77,7 @@ class TwoRobots(unittest.TestCase):
         done = subprocess.run(['rosrun', 'limb_ring', 'ring_bridge', '--respawn', '__name:=ring_bridge'],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=GUARD)
         self.assertEqual(done.returncode, 2, done.stdout)
-        self.assertIn('node /ring_bridge runs already, and `rosnode kill /ring_bridge` ends it; or give this one a name',
+        self.assertIn('node /ring_bridge runs already. End it by `rosnode kill /ring_bridge`, or give this one another name',
                       done.stdout)
         ring.status.wait_for_more(3, 'what the first bridge says after it')
 

@@ -164,11 +164,11 @@ TEST(Choices, ThatAreWrongAreNamed) {
   const auto problem = [](const std::string& text) {
     return test::thrown<std::invalid_argument>([&] { choices_from(text); });
   };
-  EXPECT_THAT(problem("x:lost"), HasSubstr("'x' is no whole number from 0 to 999999, as in 12:lost"));
-  EXPECT_THAT(problem("1:lost,2:losst"), HasSubstr("'losst' is none of lost, header-damaged"));
+  EXPECT_THAT(problem("x:lost"), HasSubstr("'x' is not a whole number from 0 to 999999, as in 12:lost"));
+  EXPECT_THAT(problem("1:lost,2:losst"), HasSubstr("'losst' is not one of lost, header-damaged"));
   EXPECT_THAT(problem("1:restart"), HasSubstr("restart needs a node"));
   EXPECT_THAT(problem("1:lost:2"), HasSubstr("lost is of no node"));
-  EXPECT_THAT(problem("99999999:lost"), HasSubstr("'99999999' is no whole number from 0 to 999999"));
+  EXPECT_THAT(problem("99999999:lost"), HasSubstr("'99999999' is not a whole number from 0 to 999999"));
   EXPECT_THAT(problem("5:lost,3:late"), HasSubstr("'3:late': its place is not behind"));
   EXPECT_THAT(problem("5:lost,5:late"), HasSubstr("'5:late': its place is not behind"));
 }

@@ -215,8 +215,8 @@ TEST(Plan, TheVerdictNamesTheBusiestNodeAndLine) {
   const Plan made = plan(ring, {stream_from(0, 1, {kHundred}, 100us)});
   // T = 1.6 us on the slower line, d twice, nobody else sends: 3.6 us of 100; the slower line 1.6 of 100.
   EXPECT_EQ(verdict(ring, made),
-            "The ring carries this. The busiest node is a, with a packet under way 3.6 % of the time at most; the "
-            "busiest line, the line into a, is in use 1.6 % of it.\n");
+            "The ring carries this. The busiest node, a, has a packet under way for at most 3.6 % of the time. The "
+            "busiest line, the line into a, is in use for at most 1.6 %.\n");
   EXPECT_THAT(made.limits, IsEmpty());
 }
 

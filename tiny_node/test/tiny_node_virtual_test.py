@@ -96,7 +96,7 @@ class LibraryOnAVirtualRing(VirtualTest):
         config = self.write_ring(nodes, timeouts=TIMES, links={'transport': 'udp'})
         done = self.ctl('up', config, '--clock', 'virtual', '--detach', '--timeout', 20)
         self.assertNotEqual(done.returncode, 0)
-        self.assertIn('no.so is no shared library for this machine', done.stdout + done.stderr)
+        self.assertIn('no.so is not a shared library for this machine', done.stdout + done.stderr)
         nodes[TINY]['library'] = 'nowhere.so'
         done = self.ctl('check', self.write_ring(nodes))
         self.assertIn('there is no file', done.stderr)

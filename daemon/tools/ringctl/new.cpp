@@ -221,7 +221,7 @@ void print_nodes(const NewRing& ring, const config::RingConfig& config) {
 
 void print_plan(const config::RingConfig& config) {
   const config::RingConfig ring = sim::with_assumed_lines(config, sim::kUsualRate, sim::kUsualRelayDelay);
-  std::cout << "At " << config::format_rate(sim::kUsualRate) << ": "
+  std::cout << "With lines of " << config::format_rate(sim::kUsualRate) << ": "
             << study::verdict(ring, study::plan(ring, study::streams_of(ring)));
 }
 

@@ -150,7 +150,7 @@ std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::s
   std::vector<NodeName> nodes;
   for (const NodeName& node : ring.nodes())
     if (ids.count(node.id) != 0) nodes.push_back(node);
-  if (nodes.empty()) throw NotDone("no node of ring " + ring.ring() + " has joints, and at none a stop is latched");
+  if (nodes.empty()) throw NotDone("no node of ring " + ring.ring() + " has joints, and none is stopped");
   return nodes;
 }
 

@@ -69,7 +69,7 @@ int run(const config::RingConfig& ring, const config::NodeConfig& config) {
 void report(const virtual_host::VirtualRingHost& host, const virtual_host::Pace& pace) {
   const double seconds = std::chrono::duration<double>(host.now().time_since_epoch()).count();
   if (pace.lost().count() > 0)
-    spdlog::info("the machine was too slow for pace {}: {:.1f} s were not made up for", pace.factor(),
+    spdlog::info("the machine was too slow for pace {}: {:.1f} s were lost", pace.factor(),
                  std::chrono::duration<double>(pace.lost()).count());
   const std::string not_repeatable = host.not_repeatable();
   spdlog::info("trace hash {} of {:.9f} s{}", sim::hash_text(host.trace_hash()), seconds,

@@ -213,7 +213,7 @@ TEST_F(ProgramTest, EndsWithAMessageWhenItsDaemonIsGone) {
   server.reset();
   until_ended();
   EXPECT_EQ(child->code(), 1);
-  EXPECT_THAT(child->said(), HasSubstr("left_knee: the daemon is gone"));
+  EXPECT_THAT(child->said(), HasSubstr("left_knee: disconnected: "));
 }
 
 }  // namespace
