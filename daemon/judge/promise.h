@@ -31,7 +31,7 @@ constexpr const char* to_string(Promise promise) {
     case Promise::true_result:
       return "a result says what has happened";
     case Promise::undamaged:
-      return "nothing damaged, partial or misled is delivered";
+      return "nothing corrupted, truncated or sent to another node is delivered";
     case Promise::exactly_once:
       return "exactly once";
     case Promise::in_order:
