@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "comparison/plots/gnuplot.h"
+#include "comparison/plots/plots.h"
 #include "support/own_folder.h"
 #include "support/thrown.h"
 

@@ -9,7 +9,6 @@
 #include "core/network_controller.h"
 #include "judge/ledger.h"
 #include "sim/delay_line.h"
-#include "sim/guest.h"
 #include "sim/observer.h"
 
 namespace limb_ring::sim {

@@ -1,5 +1,6 @@
 // Slices that a fold holds back until its input has settled.
-#include "core/fold/held_slices.h"
+#include "core/fold/fold_back.h"
+// What a fold holds until its input has settled.
 
 #include "core/ring_fixture.h"
 

@@ -5,7 +5,7 @@
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
 #include "limb_ring/payload/sensor_reading.h"
-#include "tools/firmware/fault_command.h"
+#include "tools/firmware/options.h"
 
 using namespace limb_ring;
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/transmit/flight.h"
+#include "core/transmit/send_unit.h"
 #include "io/agreement.h"
 #include "io/link_header.h"
 #include "support/node_literal.h"

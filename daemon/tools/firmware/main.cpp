@@ -12,7 +12,6 @@
 #include "limb_ring/joint_node.h"
 #include "limb_ring/payload/packet_type.h"
 #include "tools/common/command_line.h"
-#include "tools/firmware/fault_command.h"
 #include "tools/firmware/options.h"
 #include "tools/firmware/simulated_limb.h"
 

@@ -1,4 +1,4 @@
-#include "tools/firmware/fault_command.h"
+#include "tools/firmware/options.h"
 
 #include <string>
 
