@@ -7,6 +7,7 @@
 #include "client/command_filter.h"
 
 namespace limb_ring::firmware {
+
 namespace {
 
 /// Results may wait for 20 ms (results_may_wait): 20 samples at 1 kHz, and as many again and more that are under way or

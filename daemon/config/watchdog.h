@@ -9,7 +9,6 @@
 
 #include "config/ring_config.h"
 #include "core/events.h"
-#include "core/membership/known_break.h"
 #include "core/membership/peers.h"
 #include "core/ring_order.h"
 #include "core/settings.h"

@@ -2,7 +2,7 @@
 #include "core/archive.h"
 
 #include "core/copied_state.h"
-#include "core/membership/known_break.h"
+#include "core/membership/peers.h"
 #include "core/solo_node.h"
 
 namespace limb_ring::core {

@@ -5,7 +5,6 @@
 
 #include "core/counters.h"
 #include "core/events.h"
-#include "core/membership/known_break.h"
 #include "core/membership/peers.h"
 #include "core/receive/duplicate_memory.h"
 #include "core/settings.h"

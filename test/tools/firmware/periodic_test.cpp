@@ -1,4 +1,4 @@
-#include "client/periodic.h"
+#include "client/node_cpu.h"
 
 #include <gtest/gtest.h>
 
