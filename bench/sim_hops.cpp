@@ -138,7 +138,7 @@ double core_ring(unsigned nodes, std::uint64_t hops, bool invariants) {
   const Stopwatch watch;
   while (carried(ring) - before < hops) ring.run_for(lap_of(nodes));
   const double seconds = watch.seconds();
-  if (checks && checks->violation()) throw std::runtime_error("invariant broken: " + checks->violation()->what);
+  if (checks && checks->violation()) throw std::runtime_error("invariant broken: " + checks->violation()->what());
   return static_cast<double>(carried(ring) - before) / seconds;
 }
 

@@ -9,9 +9,9 @@ namespace {
 /// (256 KiB of the smallest packets). With this limit what the node has dropped is forgotten in the end.
 constexpr std::size_t kMostComing = 1 << 15;
 
-std::string name(const PacketHeader& header, const PacketTrailer& tail) {
-  return std::string(header.code.interrupt ? "INTP" : "DATP") + " of node " + std::to_string(header.source) + " to " +
-         (tail.destination == wire::kBroadcast ? "all" : "node " + std::to_string(tail.destination)) + ", sequence " +
+Words name(const PacketHeader& header, const PacketTrailer& tail) {
+  return std::string(header.code.interrupt ? "INTP" : "DATP") + " of " + node_words(header.source) + " to " +
+         (tail.destination == wire::kBroadcast ? "all" : node_words(tail.destination)) + ", sequence " +
          std::to_string(header.code.sequence) + ", try " + std::to_string(header.code.attempt);
 }
 
@@ -39,12 +39,12 @@ bool ForwardingChecker::went(const PacketHeader& header, const PacketTrailer& ta
   const bool due = it != coming.end();
   if (!due) it = std::find_if(coming.begin(), coming.end(), is_it);
   if (it == coming.end()) {
-    complain_(Promise::true_fbc, name(header, tail) + " left without having come in at node " + std::to_string(id_));
+    complain_(Promise::true_fbc, name(header, tail) + " left without having come in at " + node_words(id_));
     return false;
   }
   if (!due)
     complain_(it->due.promise, name(header, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
-                                   std::to_string(it->due.fbc) + " at node " + std::to_string(id_));
+                                   std::to_string(it->due.fbc) + " at " + node_words(id_));
   if (header.code.interrupt) {
     // One alike may have come long before, and been dropped.
     const auto newest = std::find_if(coming.rbegin(), coming.rend(), is_it);
@@ -66,7 +66,7 @@ std::size_t ForwardingChecker::bytes_since(Time since) const {
 void ForwardingChecker::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
 
 // Each INTP before it, and at most the longest tail of a DATP: 3 odd bytes, trailer and CRC. (protocol.md section 5.2)
-void ForwardingChecker::check_wait(Time since, Time now, const std::string& which) const {
+void ForwardingChecker::check_wait(Time since, Time now, const Words& which) const {
   since = std::max(since, released_);
   const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kInterruptPacketSize);
   const auto first_ahead = std::partition_point(interrupts_gone_.begin(), interrupts_gone_.end(),
@@ -75,9 +75,9 @@ void ForwardingChecker::check_wait(Time since, Time now, const std::string& whic
   constexpr auto kLongestTail = static_cast<std::int64_t>(wire::tail_size(wire::kOverhead + wire::kWord - 1));
   const Duration most = interrupt * ahead + byte_time_ * kLongestTail;
   if (now - since > most)
-    complain_(Promise::interrupt_wait, which + " waited " + std::to_string(core::picoseconds(now - since)) +
-                                           " ps at node " + std::to_string(id_) + ", " +
-                                           std::to_string(core::picoseconds(most)) + " are allowed");
+    complain_(Promise::interrupt_wait, which + " waited " + std::to_string(core::picoseconds(now - since)) + " ps at " +
+                                           node_words(id_) + ", " + std::to_string(core::picoseconds(most)) +
+                                           " are allowed");
 }
 
 void ForwardingChecker::count_interrupt(Time now) {

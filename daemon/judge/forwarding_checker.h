@@ -111,7 +111,7 @@ class ForwardingChecker {
       a("code_byte", code_byte)("source", source)("destination", destination)("due", due)("size", size)("at", at);
     }
   };
-  void check_wait(Time since, Time now, const std::string& which) const;
+  void check_wait(Time since, Time now, const Words& which) const;
 
   NodeId id_;
   Duration byte_time_;  ///< of the line out of it

@@ -6,9 +6,9 @@ namespace limb_ring::sim {
 
 using core::Outcome;
 
-std::string Sent::name() const {
-  return std::string(interrupt() ? "INTP " : "DATP ") + std::to_string(token) + " of node " + std::to_string(source) +
-         " to " + (destination == wire::kBroadcast ? "all" : "node " + std::to_string(destination)) +
+Words Sent::name() const {
+  return std::string(interrupt() ? "INTP " : "DATP ") + std::to_string(token) + " of " + node_words(source) + " to " +
+         (destination == wire::kBroadcast ? "all" : node_words(destination)) +
          (interrupt() ? ", factor " + std::to_string(channel)
                       : ", priority " + std::to_string(queue) + ", " + std::to_string(size) + " bytes");
 }
@@ -275,19 +275,19 @@ void Ledger::come_home(Sent* sent, int fbc, Time at) {
 void Ledger::take(Sent* sent, const wire::PacketFields& packet, NodeId node, Time at) {
   if (!sent) {
     if (!sources_[packet.source()].others_send)
-      complain_(Promise::undamaged, "node " + std::to_string(node) + " took a packet that node " +
-                                        std::to_string(packet.source()) + " did not send");
+      complain_(Promise::undamaged,
+                node_words(node) + " took a packet that " + node_words(packet.source()) + " did not send");
     return;
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
-    complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
+    complain_(Promise::undamaged, sent->name() + " was taken by " + node_words(node));
   const bool first_try = packet.code().attempt == 0;
   const auto may_be_forgotten = [&](const Sent::Decision& d) {
     return first_try && (d.at < forgotten_before_[node] || (may_have_copy(*sent) && d.at < started_[node]));
   };
   for (const Sent::Decision& decision : sent->decisions)
     if (decision.taken && decision.node == node && !may_be_forgotten(decision))
-      complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
+      complain_(Promise::exactly_once, sent->name() + " was taken twice by " + node_words(node));
   sent->decisions.push_back({node, true, at});
   check_order(*sent, node);
 }
@@ -297,7 +297,7 @@ void Ledger::check_order(const Sent& sent, NodeId node) {
   std::uint32_t& newest = newest_[(std::size_t{node} * sources_.size() + sent.source) * 5 + sent.queue];
   if (sent.token < newest)
     complain_(Promise::in_order,
-              sent.name() + " was taken by node " + std::to_string(node) + " after " + std::to_string(newest));
+              sent.name() + " was taken by " + node_words(node) + " after " + std::to_string(newest));
   newest = std::max(newest, sent.token);
 }
 
@@ -317,8 +317,8 @@ const Sent* Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
   Sent* sent = find(source, end.token);
   if (!sent) {
     if (end.token < sources_[source].first_token)
-      complain_(Promise::one_result, "send " + std::to_string(end.token) + " of node " + std::to_string(source) +
-                                         " ended again, long after its end");
+      complain_(Promise::one_result,
+                "send " + std::to_string(end.token) + " of " + node_words(source) + " ended again, long after its end");
     return nullptr;
   }
   if (sent->source_incarnation != sources_[source].incarnation)

@@ -38,7 +38,7 @@ class PassedOver {
     std::uint32_t token;
     core::Time since;
     Promise promise;
-    std::string what;
+    Words what;
 
     template <class Archive>
     void archive(Archive& a) {
@@ -114,7 +114,7 @@ struct Sent {
   bool decided_by(NodeId node) const;
   /// `packet`, which a CPU has got, is this send.
   bool is(const core::ReceivedPacket& packet) const;
-  std::string name() const;
+  Words name() const;
 
   template <class Archive>
   void archive(Archive& a) {

@@ -4,8 +4,11 @@
 #include <functional>
 #include <string>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "core/time.h"
+#include "wire/packet.h"
 
 namespace limb_ring::promises {
 
@@ -99,12 +102,63 @@ namespace limb_ring::sim {
 using promises::Promise;
 using promises::to_string;
 
+/// A sentence, and where in it nodes are named by their ids. Who knows other names for them puts these there.
+class Words {
+ public:
+  /// An id of `size` digits, from byte `at` of the text on.
+  struct Mention {
+    std::size_t at = 0, size = 0;
+    wire::NodeId node{0};
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("at", at)("size", size)("node", node);
+    }
+  };
+
+  Words() = default;
+  Words(std::string text) : text_(std::move(text)) {}
+  Words(const char* text) : text_(text) {}
+  operator const std::string&() const { return text_; }
+
+  const std::string& text() const { return text_; }
+  /// In the order in which they stand there.
+  const std::vector<Mention>& mentions() const { return mentions_; }
+
+  friend Words operator+(Words one, const Words& other) {
+    for (const Mention& mention : other.mentions_)
+      one.mentions_.push_back({one.text_.size() + mention.at, mention.size, mention.node});
+    one.text_ += other.text_;
+    return one;
+  }
+  /// "node 5"
+  friend Words node_words(wire::NodeId node) {
+    Words words = "node ";
+    const std::string id = std::to_string(node);
+    words.mentions_.push_back({words.text_.size(), id.size(), node});
+    words.text_ += id;
+    return words;
+  }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("text", text_)("mentions", mentions_);
+  }
+
+ private:
+  std::string text_;
+  std::vector<Mention> mentions_;
+};
+Words node_words(wire::NodeId node);
+
 /// A promise that was broken.
 struct Violation {
   Promise promise;
   core::Time at;
-  std::string what;  ///< the nodes and packets involved
+  Words words;  ///< the nodes and packets involved
+
+  const std::string& what() const { return words.text(); }
 };
-using Complain = std::function<void(Promise, std::string what)>;
+using Complain = std::function<void(Promise, Words)>;
 
 }  // namespace limb_ring::sim

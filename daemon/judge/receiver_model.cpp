@@ -275,7 +275,7 @@ void ReceiveBuffers::read(const core::ReceivedPacket& packet, Time now) {
     if (ledger_.has_taken(packet, node_)) return never_took(packet);
     const Sent* sent = ledger_.find(unread.front().source, unread.front().token);
     complain_(Promise::undamaged,
-              (sent ? sent->name() : "a packet") + " came to the CPU of node " + std::to_string(node_) + " changed");
+              (sent ? sent->name() : "a packet") + " came to the CPU of " + node_words(node_) + " changed");
   }
   drop_front(packet.priority);
 }
@@ -283,7 +283,7 @@ void ReceiveBuffers::read(const core::ReceivedPacket& packet, Time now) {
 void ReceiveBuffers::never_took(const core::ReceivedPacket& packet) const {
   const bool again = ledger_.has_taken(packet, node_);
   complain_(again ? Promise::exactly_once : Promise::undamaged,
-            "node " + std::to_string(node_) + " gave its CPU a packet of node " + std::to_string(packet.source) +
+            node_words(node_) + " gave its CPU a packet of " + node_words(packet.source) +
                 (again ? " that it had taken before" : " that it was not to take"));
 }
 
@@ -291,7 +291,7 @@ void ReceiveBuffers::check_priority(const core::ReceivedPacket& packet, Time now
   const auto waits = [&](const Unread& unread) { return unread.sure && unread.at <= now; };
   for (std::uint8_t higher = 0; higher < packet.priority; ++higher)
     if (std::any_of(unread_[higher].begin(), unread_[higher].end(), waits))
-      complain_(Promise::priority_first, "the CPU of node " + std::to_string(node_) + " got a packet of priority " +
+      complain_(Promise::priority_first, "the CPU of " + node_words(node_) + " got a packet of priority " +
                                              std::to_string(packet.priority) + " while one of priority " +
                                              std::to_string(higher) + " waited");
 }

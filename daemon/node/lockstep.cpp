@@ -176,7 +176,7 @@ void Lockstep::gets_stuck(std::uint8_t node, Program& program) {
       "ring goes on without it",
       config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()),
       std::chrono::duration<double>(patience_with(node)).count());
-  on_stuck(node, process::program_of(pid) + ", does not answer");
+  on_stuck(node, process::program_of(pid), false);
 }
 
 /// Time stands for whoever computes, too; but a sleep in its loop is seen nowhere else: the ring just goes slowly.
@@ -236,7 +236,7 @@ void Lockstep::gets_restless(std::uint8_t node, Program& program) {
       "has a turn every {:g} s",
       config_.find(node)->name, name, program.session->info().pid, seconds(ring_.now()), kMostTurns,
       std::chrono::duration<double>(kRest).count());
-  on_stuck(node, name + ", lets no time pass");
+  on_stuck(node, name, true);
 }
 
 bool Lockstep::give_turns() {

@@ -129,8 +129,9 @@ class Lockstep final : public host::TurnKeeper {
   bool is_stuck(std::uint8_t node) const;
   /// As TurnKeeper::credited().
   std::function<void(std::uint8_t node, unsigned packets)> on_credited = [](std::uint8_t, unsigned) {};
-  /// A program does not answer, or lets no time pass. @param what its name, and which of them
-  std::function<void(std::uint8_t node, const std::string& what)> on_stuck = [](std::uint8_t, const std::string&) {};
+  /// A program does not answer, or answers and lets no time pass.
+  std::function<void(std::uint8_t node, const std::string& program, bool answers)> on_stuck =
+      [](std::uint8_t, const std::string&, bool) {};
 
   /// Why this run is not repeatable; empty if no reason is known.
   std::string not_repeatable() const;

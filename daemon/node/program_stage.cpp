@@ -49,8 +49,11 @@ ProgramStage::ProgramStage(const scenario::Scenario& scenario, std::unique_ptr<H
   host_->host.lockstep().on_credited = [this](std::uint8_t id, unsigned packets) {
     cpus_[id].taken.credited(packets, [this](std::size_t send) { senders().taken(send); });
   };
-  host_->host.lockstep().on_stuck = [this](std::uint8_t id, const std::string& what) {
-    notes_.push_back(name_of(NodeId{id}) + ": its CPU, " + what);
+  host_->host.lockstep().on_stuck = [this](std::uint8_t id, const std::string& program, bool answers) {
+    const std::string name = name_of(NodeId{id});
+    const std::string what = answers ? ", lets no time pass" : ", does not answer";
+    notes_.push_back(
+        {name + ": its CPU, " + program + what, answers ? "cpu_lets_no_time_pass" : "cpu_does_not_answer", name});
   };
   signals_.async_wait([this](const boost::system::error_code& error, int) {
     if (error) return;
@@ -143,7 +146,8 @@ void ProgramStage::incident(NodeId node, sim::Incident incident, core::Time, cor
 void ProgramStage::cpu_changed(NodeId id, const runtime::CpuStatus& status) {
   const std::uint64_t ends = status.exits + status.failed_boots;
   if (std::exchange(cpus_[id].ends, ends) == ends) return;
-  notes_.push_back(name_of(id) + ": its CPU has ended: " + status.last_exit);
+  const std::string name = name_of(id);
+  notes_.push_back({name + ": its CPU has ended: " + status.last_exit, "cpu_ended", name});
 }
 
 bool ProgramStage::cpu_sends(NodeId id) const {

@@ -71,7 +71,7 @@ class ProgramStage final : public scenario::RingStage, private sim::Observer {
   /// The ring's promises, and that it does as it is told.
   std::optional<Failure> broken() const override { return refused_ ? refused_ : failure_of(invariants_.violation()); }
   /// CPUs that do not answer, or have ended by themselves.
-  std::vector<std::string> take_notes() override { return std::exchange(notes_, {}); }
+  std::vector<scenario::Note> take_notes() override { return std::exchange(notes_, {}); }
   std::optional<Failure> apply(const scenario::Fault& fault) override;
 
   scenario::RunTrace trace() const;
@@ -110,7 +110,7 @@ class ProgramStage final : public scenario::RingStage, private sim::Observer {
   std::unique_ptr<Host> host_;
   sim::Invariants invariants_;
   std::vector<Cpu> cpus_;  ///< by id
-  std::vector<std::string> notes_;
+  std::vector<scenario::Note> notes_;
   std::optional<Failure> refused_;  ///< a fault
   boost::asio::signal_set signals_;
   bool interrupted_ = false;

@@ -284,8 +284,8 @@ void InputChecker::check_insertion(NodeId node, Time now) {
   const Time since = std::max(now - n.settings.worst_lap(), n.dropped_until + core::Duration{1});
   const std::size_t bytes = n.forwarding.bytes_since(since);
   if (bytes > kNormal)
-    record_.complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) +
-                                                   ", " + std::to_string(kNormal) + " may");
+    record_.complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in " + node_words(node) + ", " +
+                                                   std::to_string(kNormal) + " may");
 }
 
 }  // namespace limb_ring::sim

@@ -54,7 +54,7 @@ class Invariants : public Observer {
 struct BrokenPromise : std::runtime_error {
   explicit BrokenPromise(const Violation& violation)
       : std::runtime_error("promise broken at " + std::to_string(core::picoseconds(violation.at.time_since_epoch())) +
-                           " ps: " + to_string(violation.promise) + ": " + violation.what) {}
+                           " ps: " + to_string(violation.promise) + ": " + violation.what()) {}
 };
 
 /// A virtual ring whose every promise is checked at every event.

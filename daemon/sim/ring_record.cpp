@@ -13,7 +13,7 @@ NodeRecord::NodeRecord(const core::Settings& of_node, Ledger& ledger, const Comp
 
 RingRecord::RingRecord(VirtualRing& of_ring)
     : ring(of_ring),
-      on_complaint([this](Promise promise, std::string what) { complain(promise, std::move(what)); }),
+      on_complaint([this](Promise promise, Words what) { complain(promise, std::move(what)); }),
       ledger(ring.size(), ring.settings(ring.order()[0]).fold_back, on_complaint) {
   for (unsigned id = 0; id < ring.size(); ++id)
     nodes.push_back(std::make_unique<NodeRecord>(ring.settings(static_cast<NodeId>(id)), ledger, on_complaint));
@@ -29,7 +29,7 @@ Time RingRecord::last_bit(NodeId node, std::size_t tail_size, Time now) const {
   return now + at(node).settings.byte_time_in * static_cast<std::int64_t>(tail_size);
 }
 
-void RingRecord::complain(Promise promise, std::string what) {
+void RingRecord::complain(Promise promise, Words what) {
   if (!violation) violation = Violation{promise, ring.now(), std::move(what)};
 }
 
@@ -58,7 +58,7 @@ void ResultChecker::ends(NodeId node, const core::SendEnded& end, Time at_end) {
   const Sent* sent = record_.ledger.end(node, end, at_end);
   if (!sent) return;
   std::vector<Unexplained>& unexplained = unexplained_[node];
-  const std::string ended = sent->name() + " ended " + core::to_string(end.outcome);
+  const Words ended = sent->name() + " ended " + core::to_string(end.outcome);
   if (const char* objection = judge_of(node, *sent).objection())
     record_.complain(Promise::true_result, ended + objection);
   if (end.outcome == core::Outcome::cancelled && n.history.cancelled != at_end)
@@ -107,8 +107,8 @@ void OutputChecker::check_header(NodeId node, const PacketHeader& header) {
   const bool own_again = header.source == node && header.hop != 0;
   const bool gone_round = header.hop >= record_.ring.order().size();
   if (!own_again && !gone_round) return;
-  const std::string what = "a packet of node " + std::to_string(header.source) + " with HOP " +
-                           std::to_string(header.hop) + " left node " + std::to_string(node);
+  const Words what = "a packet of " + node_words(header.source) + " with HOP " + std::to_string(header.hop) + " left " +
+                     node_words(node);
   if (own_again) record_.complain(Promise::no_circling, what + ", its source");
   if (gone_round) record_.complain(Promise::no_circling, what + ": it has gone round");
 }
@@ -120,9 +120,8 @@ void OutputChecker::check_source(NodeId node, const PacketHeader& header, Time n
   const auto& away = record_.at(header.source).away_since;
   const core::Settings& settings = record_.at(node).settings;
   if (away && now - std::max(*away, record_.released) > settings.send_timeout() + settings.worst_lap())
-    record_.complain(Promise::no_circling, "a packet of node " + std::to_string(header.source) +
-                                               " goes on through node " + std::to_string(node) +
-                                               ", long after its source was gone");
+    record_.complain(Promise::no_circling, "a packet of " + node_words(header.source) + " goes on through " +
+                                               node_words(node) + ", long after its source was gone");
 }
 
 void OutputChecker::leaves(NodeId node, const wire::Slice& slice, Time now) {

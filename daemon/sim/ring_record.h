@@ -97,7 +97,7 @@ struct RingRecord {
   /// After a fault some bounds are wider for a while.
   void disturbed(Time now) { settled_from = std::max(settled_from, now + settling); }
   /// The first broken promise is kept.
-  void complain(Promise promise, std::string what);
+  void complain(Promise promise, Words what);
 
   VirtualRing& ring;
   Complain on_complaint;
@@ -136,7 +136,7 @@ class ResultChecker {
   struct Unexplained {
     Time when;
     core::Outcome outcome;
-    std::string what;
+    Words what;
 
     template <class Archive>
     void archive(Archive& a) {

@@ -63,7 +63,7 @@ std::string case_without_run(const Scenario& scenario, const std::string& elemen
 std::string text_of(const ScenarioRun& run) {
   const std::string where = run.live ? "live, " : run.trace ? "virtual, " : "";
   std::string text = run.path + ": " + run.name + " (" + where + "seed " + std::to_string(run.seed) + ")\n";
-  for (const LogLine& line : run.log) text += milliseconds(line.at) + "  " + line.words + '\n';
+  for (const LogLine& line : run.log) text += milliseconds(line.at) + "  " + line.what.words + '\n';
   if (!run.unmet) return text + milliseconds(run.lasted) + "  end: all as expected\n" + trace_line(run);
   const std::string indent(milliseconds(run.lasted).size() + 2, ' ');
   return text + milliseconds(run.unmet->at) + "  NOT as expected: " + run.unmet->expected + '\n' + indent +

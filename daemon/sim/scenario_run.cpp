@@ -55,7 +55,8 @@ class Run {
 
  private:
   nanoseconds now() const { return core::whole_nanoseconds(stage_.now()); }
-  void log(const std::string& words) { result_.log.push_back({now(), words}); }
+  void log(Note what) { result_.log.push_back({now(), std::move(what)}); }
+  void log(std::string words) { log(Note{std::move(words), {}, {}}); }
   bool fail(const std::string& expected, const std::string& seen) {
     if (!result_.unmet) result_.unmet = Unmet{now(), expected, seen};
     return false;
@@ -88,7 +89,7 @@ class Run {
   bool watch() {
     if (result_.unmet) return false;
     if (++polls_ % kPollsBetween == 0) goes_on_();
-    for (const std::string& note : stage_.take_notes()) log(note);
+    for (Note& note : stage_.take_notes()) log(std::move(note));
     if (const auto broken = stage_.broken()) return fail(broken->expected, broken->seen);
     for (const Condition& condition : scenario_.always)
       if (!holds_so_far(condition, stage_)) return fail("always " + condition.words, seen(condition, stage_));

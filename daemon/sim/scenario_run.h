@@ -14,7 +14,7 @@ namespace limb_ring::scenario {
 /// One thing that was done or seen.
 struct LogLine {
   nanoseconds at{0};  ///< from the start, rounded down
-  std::string words;
+  Note what;
 };
 
 /// An expectation that was not met.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "config/quantity.h"
 #include "sim/planned_ring.h"
 
 namespace limb_ring::scenario {
@@ -44,24 +43,21 @@ void RingStage::send(const Send& send) {
 
 std::optional<Stage::Failure> RingStage::failure_of(const std::optional<sim::Violation>& violation) const {
   if (!violation) return std::nullopt;
-  return Failure{std::string("the ring's promise: ") + sim::to_string(violation->promise), with_names(violation->what)};
+  return Failure{std::string("the ring's promise: ") + sim::to_string(violation->promise),
+                 with_names(violation->words)};
 }
 
 // Whoever judges the virtual ring knows its ids alone: "node 5" there may be "node 6 (left_knee)" of the ring's file.
-std::string RingStage::with_names(const std::string& what) const {
-  const std::string mark = "node ";
+std::string RingStage::with_names(const sim::Words& words) const {
   std::string text;
   std::size_t done = 0;
-  for (std::size_t at = what.find(mark); at != std::string::npos; at = what.find(mark, at)) {
-    at += mark.size();
-    const std::size_t end = std::min(what.find_first_not_of("0123456789", at), what.size());
-    const auto id = config::parse_integer(what.substr(at, end - at));
-    if (!id || *id > wire::kBroadcast || place_of(static_cast<NodeId>(*id)) >= size()) continue;
-    const config::NodeConfig& node = scenario_.ring.nodes[place_of(static_cast<NodeId>(*id))];
-    text += what.substr(done, at - done) + std::to_string(node.id) + " (" + node.name + ")";
-    done = at = end;
+  for (const auto& [at, size, id] : words.mentions()) {
+    if (place_of(id) >= this->size()) continue;
+    const config::NodeConfig& node = scenario_.ring.nodes[place_of(id)];
+    text += words.text().substr(done, at - done) + std::to_string(node.id) + " (" + node.name + ")";
+    done = at + size;
   }
-  return text + what.substr(done);
+  return text + words.text().substr(done);
 }
 
 bool ModelStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {

@@ -15,6 +15,13 @@
 
 namespace limb_ring::scenario {
 
+/// What happened, for people; where programs are to know it, too, its kind and node as fields.
+struct Note {
+  std::string words;
+  std::string event;  ///< cpu_ended, cpu_does_not_answer, cpu_lets_no_time_pass; empty: for people only
+  std::string node;   ///< its name
+};
+
 /// What can be seen of a ring at one moment: all that conditions speak of.
 class StageView {
  public:
@@ -57,7 +64,7 @@ class Stage : public StageView {
   /// Checks what is expected of every ring, whatever the scenario says. @return the first expectation that was not met
   virtual std::optional<Failure> broken() const = 0;
   /// Unrequested events since the last call, for the report.
-  virtual std::vector<std::string> take_notes() { return {}; }
+  virtual std::vector<Note> take_notes() { return {}; }
 
   /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
   virtual std::optional<Failure> apply(const Fault& fault) = 0;
@@ -114,7 +121,7 @@ class RingStage : public Stage {
   std::optional<Failure> failure_of(const std::optional<sim::Violation>& violation) const;
 
  private:
-  std::string with_names(const std::string& what) const;
+  std::string with_names(const sim::Words& words) const;
   const core::Membership& membership(NodeId place) const { return ring_.controller(id_of(place)).membership(); }
   /// The CPU of that node of the ring asks for what the scenario has it send.
   virtual bool cpu_sends(NodeId id) const = 0;

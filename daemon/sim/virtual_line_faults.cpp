@@ -177,8 +177,8 @@ std::optional<Violation> not_whole(VirtualRing& ring) {
     const core::Membership& m = ring.node(id).membership();
     if (m.state() == core::NodeState::up && m.ring_size() == ring.order().size()) continue;
     return Violation{Promise::whole_again, ring.now(),
-                     "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
-                         std::to_string(m.ring_size()) + " after all was mended"};
+                     node_words(id) + " is " + to_string(m.state()) + " in a ring of " + std::to_string(m.ring_size()) +
+                         " after all was mended"};
   }
   return std::nullopt;
 }

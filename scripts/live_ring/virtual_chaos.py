@@ -3,7 +3,6 @@ twice. Every promise of the ring is judged at every event, and both runs have to
 import json
 import os
 import random
-import re
 import subprocess
 import time
 from collections import Counter
@@ -63,8 +62,8 @@ class VirtualChaos:
         problems = [] if first['met'] else ['after %.6f s: expected: %s; seen: %s' % (
             first['lasted_ns'] / 1e9, first['expected'], first['seen'])]
         for line in first['log']:
-            ended = re.match(r'(\w+): its CPU has ended: ', line['what'])
-            if ended and ended.group(1) not in drawn.crashed or 'does not answer' in line['what']:
+            event = line.get('event')
+            if event == 'cpu_ended' and line['node'] not in drawn.crashed or event == 'cpu_does_not_answer':
                 problems.append('after %.6f s: %s, and nobody had told it to' % (line['at_ns'] / 1e9, line['what']))
         if first['trace_hash'] != second['trace_hash']:
             why = first['not_repeatable'] or second['not_repeatable'] or 'nothing is known why'

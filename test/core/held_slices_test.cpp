@@ -1,6 +1,5 @@
 // Slices that a fold holds back until its input has settled.
 #include "core/fold/fold_back.h"
-// What a fold holds until its input has settled.
 
 #include "core/ring_fixture.h"
 

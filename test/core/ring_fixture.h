@@ -27,7 +27,7 @@ class VirtualRing : public sim::VirtualRing {
   ~VirtualRing() {
     if (const auto& broken = invariants_.violation())
       ADD_FAILURE() << "promise broken: " << sim::to_string(broken->promise) << "\n"
-                    << broken->what << "\nat " << core::picoseconds(broken->at.time_since_epoch()) << " ps";
+                    << broken->what() << "\nat " << core::picoseconds(broken->at.time_since_epoch()) << " ps";
     for (const NodeId id : order())
       if (alive(id)) expect_counted_up(counters(id));
   }

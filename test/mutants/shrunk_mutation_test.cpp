@@ -112,7 +112,7 @@ TEST(ScenarioOfASeed, FailsAtTheVeryInstantAtWhichTheSeedDid) {
     name_nodes(again);
     const auto result = run_scenario(again, seed);
     ASSERT_TRUE(result.unmet) << "seed " << seed;
-    EXPECT_EQ(result.unmet->seen, with_names(run.violation()->what)) << "seed " << seed;
+    EXPECT_EQ(result.unmet->seen, with_names(run.violation()->what())) << "seed " << seed;
     EXPECT_EQ(result.unmet->at,
               std::chrono::duration_cast<std::chrono::nanoseconds>(run.violation()->at.time_since_epoch()));
   }

@@ -61,6 +61,10 @@ class ScenarioVirtual(ScenarioTest):
         return '\n'.join('%.6f %s' % (line['at_ns'] / 1e6, line['what']) for line in run['log'])
 
     @staticmethod
+    def events(run):
+        return [(line['event'], line['node']) for line in run['log'] if 'event' in line]
+
+    @staticmethod
     def results(run):
         """By send, how many ended how; not how long they took."""
         return {send['name']: {k: v for k, v in send.items() if k != 'worst_latency_ns'} for send in run['sends']}
@@ -232,6 +236,7 @@ steps:
         runs = [self.play(file) for _ in range(2)]
         for run in runs:
             self.assertRegex(self.said(run), r'two: its CPU, limb_firmware, does not answer')
+            self.assertIn(('cpu_does_not_answer', 'two'), self.events(run))
             self.assertIn('a CPU was stuck', run['not_repeatable'])
         self.assertEqual(self.said(runs[0]), self.said(runs[1]))
 
@@ -243,6 +248,7 @@ steps:
     within: 200ms
 ''', self.own('short_lived_cpu')))
         self.assertIn('two: its CPU has ended: exit 3', self.said(run))
+        self.assertIn(('cpu_ended', 'two'), self.events(run))
 
     def test_a_program_that_answers_late_misses_its_limit(self):
         steps = '''steps:

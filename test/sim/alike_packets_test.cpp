@@ -25,7 +25,7 @@ TEST(AlikePackets, AreNotTakenForOneAnotherInAnOpenChainWithALongLine) {
   for (unsigned i = 0; i < 60; ++i) ring.send(2_id, wire::kBroadcast, {1});
   ring.run_for(std::chrono::seconds(1));
   EXPECT_EQ(ring.log(4_id).packets.size(), 60u);
-  EXPECT_FALSE(invariants.violation()) << invariants.violation()->what;
+  EXPECT_FALSE(invariants.violation()) << invariants.violation()->what();
 }
 
 }  // namespace

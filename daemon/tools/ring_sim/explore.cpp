@@ -37,7 +37,7 @@ std::string violation_text(const ExploreOptions& options, const std::vector<stud
                            const sim::Violation& broken) {
   const std::string only = choices.empty() ? kNoStrikes : study::to_text(choices);
   return std::string("promise broken: ") + to_string(broken.promise) + "\nat " +
-         std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what +
+         std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
          "\nagain with: ring_sim explore " + arguments(options) + " --only " + only + "\n";
 }
 

@@ -54,7 +54,7 @@ struct Tally {
 std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, const SoakOptions& options) {
   const sim::Violation& broken = *run.violation();
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
-         "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what +
+         "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
          (options.all_fold_back ? " --redundancy foldback" : "") +
          (options.world == study::WorldKind::usual

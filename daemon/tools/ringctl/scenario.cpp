@@ -48,7 +48,10 @@ app::Row row_of(const scenario::ScenarioRun& run) {
   row["sends"] = app::Row::array();
   for (const auto& send : run.sends) row["sends"].push_back(results_of(send));
   row["log"] = app::Row::array();
-  for (const auto& line : run.log) row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.words}});
+  for (const auto& line : run.log) {
+    row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.what.words}});
+    if (!line.what.event.empty()) row["log"].back().update({{"event", line.what.event}, {"node", line.what.node}});
+  }
   return row;
 }
 
