@@ -55,8 +55,7 @@ void CpuSocket::detach(const host::ClientInfo& client) {
 void CpuSocket::spoke() {
   watch_.spoke(driver_.now());
   process_.spoke(driver_.clock().now());
-  reported_.spoke_at = driver_.now();
-  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
+  change_report([&](core::CpuReport& report) { report.spoke_at = driver_.now(); });
 }
 
 void CpuSocket::hand_over() {
@@ -114,14 +113,13 @@ void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t sour
 
 void CpuSocket::stop_latched(bool latched) {
   if (latched == stop_.latched) return;
-  stop_.latched = reported_.stop_latched = latched;
-  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
+  stop_.latched = latched;
+  change_report([&](core::CpuReport& report) { report.stop_latched = latched; });
   driver_.pump();
 }
 
 void CpuSocket::clock_latched(const wire::ClockLatch& latch) {
-  reported_.latch = latch;
-  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
+  change_report([&](core::CpuReport& report) { report.latch = latch; });
 }
 
 CpuStatus CpuSocket::status() const {
@@ -138,10 +136,11 @@ void CpuSocket::on_cpu_changed() { report(); }
 void CpuSocket::report() {
   const CpuStatus now = status();
   if (now.unsettled) return changed_();
-  reported_.boots = now.boots;
-  reported_.state = now.state;
-  reported_.comes_back = now.kind != CpuKind::attached || now.restarted_by_owner;
-  driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
+  change_report([&](core::CpuReport& report) {
+    report.boots = now.boots;
+    report.state = now.state;
+    report.comes_back = now.kind != CpuKind::attached || now.restarted_by_owner;
+  });
   changed_();
   driver_.pump();
 }

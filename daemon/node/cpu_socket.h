@@ -94,6 +94,12 @@ class CpuSocket final : private CpuEvents {
     std::uint64_t pulled = 0;  ///< times since the daemon's start
     std::optional<core::Time> pulled_at;
   };
+  /// What beacons tell of the CPU or of its node is another. @param change is given the report to change
+  template <class Change>
+  void change_report(const Change& change) {
+    change(reported_);
+    driver_.controller().apply(core::input::Cpu{reported_}, driver_.now());
+  }
   /// The CPU says that a stop is latched, or that it has resumed. One that has just been started has nothing latched.
   void stop_latched(bool latched);
   /// The CPU says that it never latches one, so that nobody waits for its word.
