@@ -1,9 +1,12 @@
 #include "tools/ringctl/view.h"
 
+#include <sys/eventfd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include "config/load_ring.h"
@@ -63,6 +66,7 @@ constexpr milliseconds kStatus{500};          ///< between two of status, at lea
 constexpr int kStatusShare = 20;              ///< asking takes at most one part of so many of the time ...
 constexpr milliseconds kStatusAtLeast{5000};  ///< ... but this is the longest that a page waits
 constexpr milliseconds kTryAgain{1000};
+constexpr std::size_t kNotTaken = 10'000;                    ///< messages; those that come then are counted
 constexpr std::size_t kListed = 400;                         ///< packets in one message; the others are counted
 constexpr std::chrono::microseconds kBetweenStates{40'000};  ///< joint states of one node that are shown
 constexpr std::size_t kStates = 8;                           ///< of one node in one message
@@ -186,12 +190,13 @@ class LatelySeen {
 /// A ring while somebody looks at it.
 class Look {
  public:
+  using Tell = std::function<void(const std::string& event, std::string json)>;
   using Keep = std::function<void(const Rows& rows)>;
 
   /// @param keep given the rows of each status, before that is told
-  Look(const RingAccess& ring, const ViewedRing::Tell& tell, Keep keep)
+  Look(const RingAccess& ring, Tell tell, Keep keep)
       : ring_(ring),
-        tell_(tell),
+        tell_(std::move(tell)),
         keep_(std::move(keep)),
         poll_(
             ring, [this](std::size_t node) { return order(node); },
@@ -297,7 +302,7 @@ class Look {
   void tell(const char* event, std::string text) { tell_(event, std::move(text)); }
 
   const RingAccess& ring_;
-  const ViewedRing::Tell& tell_;
+  const Tell tell_;
   const Keep keep_;
   std::size_t watched_ = 0;  ///< place of the node at whose input packets are seen
   unsigned sample_ = 1;
@@ -310,8 +315,10 @@ class Look {
 
 }  // namespace
 
-ViewedRing::ViewedRing(std::string ring, Tell tell)
-    : ring_(std::move(ring)), tell_(std::move(tell)), thread_([this] { run(); }) {}
+ViewedRing::ViewedRing(std::string ring) : ring_(std::move(ring)), told_fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!told_fd_.valid()) throw std::runtime_error("too many open files");
+  thread_ = std::thread([this] { run(); });
+}
 
 ViewedRing::~ViewedRing() {
   {
@@ -331,6 +338,30 @@ void ViewedRing::look(bool somebody) {
   changed_.notify_all();
 }
 
+void ViewedRing::put(const std::string& event, std::string json) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (told_.size() < kNotTaken)
+    told_.emplace_back(event, std::move(json));
+  else
+    ++left_out_;
+  ::eventfd_write(told_fd_.get(), 1);
+}
+
+void ViewedRing::take(const Tell& tell) {
+  std::vector<std::pair<std::string, std::string>> told;
+  std::size_t left_out = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    eventfd_t ignored = 0;
+    ::eventfd_read(told_fd_.get(), &ignored);
+    told.swap(told_);
+    left_out = std::exchange(left_out_, 0);
+  }
+  for (const auto& [event, text] : told) tell(event, text);
+  if (left_out != 0)
+    tell("happened", json{{"text", std::to_string(left_out) + " messages of the ring, left out"}}.dump());
+}
+
 std::string ViewedRing::row(const std::string& id) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = rows_.find(id);
@@ -348,7 +379,7 @@ void ViewedRing::run() {
     try {
       look_on();
     } catch (const std::exception& problem) {
-      tell_("problem", json{{"text", problem.what()}}.dump());
+      put("problem", json{{"text", problem.what()}}.dump());
       std::unique_lock<std::mutex> lock(mutex_);
       changed_.wait_for(lock, kTryAgain, [this] { return ends_.load(); });
     }
@@ -365,7 +396,8 @@ void ViewedRing::look_on() {
       rows_[std::to_string(row.id)] = whole.dump();
     }
   };
-  Look look(ring, tell_, keep);
+  Look look(
+      ring, [this](const std::string& event, std::string text) { put(event, std::move(text)); }, keep);
   while (looked_at_) look.turn();
 }
 

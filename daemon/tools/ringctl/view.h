@@ -7,6 +7,10 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
+
+#include "io/unique_fd.h"
 
 namespace limb_ring::ringctl {
 
@@ -25,27 +29,35 @@ namespace limb_ring::ringctl {
 ///   problem   {"text"}: the ring cannot be asked; it is tried again
 class ViewedRing {
  public:
-  /// Called from the thread that asks.
-  using Tell = std::function<void(const std::string& event, std::string json)>;
+  using Tell = std::function<void(const std::string& event, const std::string& json)>;
 
-  ViewedRing(std::string ring, Tell tell);
+  /// @throw std::runtime_error where too many files are open
+  explicit ViewedRing(std::string ring);
   ~ViewedRing();
   ViewedRing(const ViewedRing&) = delete;
   ViewedRing& operator=(const ViewedRing&) = delete;
 
   /// Whether somebody looks: else nothing is asked.
   void look(bool somebody);
+  /// Readable while something that was told waits for take(). It belongs to this.
+  int told_fd() const { return told_fd_.get(); }
+  /// Calls `tell` for each that waits, in their order, and says how many were left out because too many waited.
+  void take(const Tell& tell);
   /// The newest status row of a node; empty where there is none.
   std::string row(const std::string& id) const;
 
  private:
+  /// From the thread that asks.
+  void put(const std::string& event, std::string json);
   void run();
   void look_on();
   bool wait_for_somebody();
 
   const std::string ring_;
-  const Tell tell_;
+  const process::UniqueFd told_fd_;
   mutable std::mutex mutex_;
+  std::vector<std::pair<std::string, std::string>> told_;  ///< and not taken
+  std::size_t left_out_ = 0;                               ///< since the last take()
   std::condition_variable changed_;
   std::atomic<bool> looked_at_{false}, ends_{false};
   std::map<std::string, std::string> rows_;  ///< by id

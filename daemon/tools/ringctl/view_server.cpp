@@ -1,7 +1,6 @@
 #include "tools/ringctl/view_server.h"
 
 #include <fcntl.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,7 +16,6 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
@@ -58,7 +56,6 @@ constexpr std::size_t kQueuedBytes = 8 << 20;      ///< that wait for one page; 
 constexpr std::size_t kOrders = 4;                 ///< at a time
 constexpr std::size_t kOutputBytes = 16384;        ///< of an order, shown
 constexpr off_t kLogBytes = 16384;                 ///< of a log, shown: its end
-constexpr std::size_t kLetters = 10'000;           ///< of the ring, that the loop has not taken yet
 constexpr std::size_t kWords = 6, kWordSize = 64;  ///< of an order
 
 using Text = std::shared_ptr<const std::string>;
@@ -225,61 +222,6 @@ class Stream : public std::enable_shared_from_this<Stream> {
   bool ended_ = false;
 };
 
-/// What the thread that asks the ring has told, until the loop takes it. asio is built without threads here
-/// (BOOST_ASIO_DISABLE_THREADS): nothing of it may be called from another one.
-class Mailbox {
- public:
-  using Take = std::function<void(const std::string& event, const std::string& text)>;
-
-  Mailbox(asio::io_context& io, Take take)
-      : take_(std::move(take)), wake_fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), wake_(io) {
-    if (wake_fd_ < 0) throw std::runtime_error("too many open files");
-    wake_.assign(wake_fd_);
-    wait();
-  }
-
-  /// From any thread.
-  void put(const std::string& event, std::string text) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (letters_.size() < kLetters)
-      letters_.emplace_back(event, std::move(text));
-    else
-      ++left_out_;
-    ::eventfd_write(wake_fd_, 1);
-  }
-
- private:
-  void wait() {
-    wake_.async_wait(asio::posix::stream_descriptor::wait_read, [this](const error_code& problem) {
-      if (problem) return;
-      take_all();
-      wait();
-    });
-  }
-
-  void take_all() {
-    std::vector<std::pair<std::string, std::string>> letters;
-    std::size_t left_out = 0;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      eventfd_t ignored = 0;
-      ::eventfd_read(wake_fd_, &ignored);
-      letters.swap(letters_);
-      left_out = std::exchange(left_out_, 0);
-    }
-    for (const auto& [event, text] : letters) take_(event, text);
-    if (left_out != 0)
-      take_("happened", json{{"text", std::to_string(left_out) + " messages of the ring, left out"}}.dump());
-  }
-
-  const Take take_;
-  const int wake_fd_;
-  asio::posix::stream_descriptor wake_;
-  std::mutex mutex_;
-  std::vector<std::pair<std::string, std::string>> letters_;
-  std::size_t left_out_ = 0;  ///< since the loop took the last
-};
-
 class Server;
 
 /// One connection: one request and its answer, or a stream.
@@ -303,13 +245,18 @@ class Connection : public std::enable_shared_from_this<Connection> {
 class Server {
  public:
   Server(asio::io_context& io, const ViewOptions& options)
-      : io_(io), options_(options), page_(read_page(options.folder)), token_(new_token()), acceptor_(io) {
+      : io_(io),
+        options_(options),
+        page_(read_page(options.folder)),
+        token_(new_token()),
+        acceptor_(io),
+        ring_(options.ring) {
     listen();
-    ring_ = std::make_unique<ViewedRing>(
-        options.ring, [this](const std::string& event, std::string text) { mailbox_.put(event, std::move(text)); });
+    told_.assign(ring_.told_fd());
+    take();
     accept();
   }
-  ~Server() { ring_.reset(); }
+  ~Server() { told_.release(); }
 
   std::string address() const {
     const tcp::endpoint at = acceptor_.local_endpoint();
@@ -345,7 +292,7 @@ class Server {
     }
     const std::string node = "node/";
     if (path.rfind(node, 0) == 0) {
-      const std::string row = ring_->row(path.substr(node.size()));
+      const std::string row = ring_.row(path.substr(node.size()));
       return row.empty() ? refuse(http::status::not_found, "no such node, or nothing is known of it")
                          : answer(http::status::ok, "application/json", row);
     }
@@ -368,7 +315,7 @@ class Server {
         std::make_shared<const std::string>(server_event("view", json{{"control", options_.control}}.dump()))};
     for (const auto& [event, text] : newest_) first.push_back(text);
     stream->start(first);
-    ring_->look(true);
+    ring_.look(true);
   }
 
  private:
@@ -401,6 +348,16 @@ class Server {
     });
   }
 
+  /// What the thread that asks the ring has told. asio is built without threads here (BOOST_ASIO_DISABLE_THREADS):
+  /// nothing of it may be called from another one.
+  void take() {
+    told_.async_wait(asio::posix::stream_descriptor::wait_read, [this](const error_code& problem) {
+      if (problem) return;
+      ring_.take([this](const std::string& event, const std::string& text) { tell(event, text); });
+      take();
+    });
+  }
+
   void tell(const std::string& event, const std::string& text) {
     const auto message = std::make_shared<const std::string>(server_event(event, text));
     if (event == "ring" || event == "status") newest_[event] = message;
@@ -411,7 +368,7 @@ class Server {
   void remove(const std::shared_ptr<Stream>& stream) {
     streams_.erase(stream);
     if (!streams_.empty()) return;
-    ring_->look(false);
+    ring_.look(false);
     newest_.erase("status");  // the ring itself is told once, and is as it was
   }
 
@@ -462,8 +419,8 @@ class Server {
   std::map<std::string, Text> newest_;  ///< what a page is told first
   std::map<unsigned, std::unique_ptr<Order>> orders_;
   unsigned next_order_ = 0;
-  Mailbox mailbox_{io_, [this](const std::string& event, const std::string& text) { tell(event, text); }};
-  std::unique_ptr<ViewedRing> ring_;
+  ViewedRing ring_;
+  asio::posix::stream_descriptor told_{io_};
 };
 
 Connection::Connection(tcp::socket socket, Server& server)
