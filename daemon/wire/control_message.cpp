@@ -81,38 +81,6 @@ bool is(ByteView data, std::uint8_t type, std::size_t size) { return data.size =
 
 }  // namespace
 
-const char* to_string(CpuState state) {
-  switch (state) {
-    case CpuState::none:
-      return "none";
-    case CpuState::absent:
-      return "absent";
-    case CpuState::booting:
-      return "booting";
-    case CpuState::running:
-      return "running";
-    case CpuState::silent:
-      return "silent";
-    case CpuState::failed:
-      return "failed";
-  }
-  return "unknown";
-}
-
-const char* to_string(LinkState state) {
-  switch (state) {
-    case LinkState::down:
-      return "down";
-    case LinkState::up:
-      return "up";
-    case LinkState::silent:
-      return "silent";
-    case LinkState::folded:
-      return "folded";
-  }
-  return "unknown";
-}
-
 std::size_t encode(const Hello& hello, std::uint8_t* out) {
   std::uint8_t* to = out + kFieldsAt;
   out[kTypeAt] = kTypeHello;

@@ -11,8 +11,8 @@
 ///
 /// Each has one list of its fields, in the order of their bytes, a row for each: type, name, initial value, then what
 /// `Field` says. From it come the struct, the codec, what is archived, what is news, the members of `heard` in a status
-/// row, the words of `ringctl dump`, the dissector, and the tables of docs/protocol.md (docs/generate_reference.py
-/// writes these two). A field added is one row.
+/// row, the words of `ringctl traffic show`, the dissector, and the tables of docs/protocol.md
+/// (docs/generate_reference.py writes these two). A field added is one row.
 namespace limb_ring::wire {
 
 /// What is to be known of a field but its value.
@@ -38,8 +38,37 @@ constexpr bool kNews = true, kNoNews = false;
 enum class CpuState : std::uint8_t { none, absent, booting, running, silent, failed };
 /// folded: the second line stands for the line (ours; fold-back, protocol.md section 8.7).
 enum class LinkState : std::uint8_t { down, up, silent, folded };
-const char* to_string(CpuState state);
-const char* to_string(LinkState state);
+constexpr const char* to_string(CpuState state) {
+  switch (state) {
+    case CpuState::none:
+      return "none";
+    case CpuState::absent:
+      return "absent";
+    case CpuState::booting:
+      return "booting";
+    case CpuState::running:
+      return "running";
+    case CpuState::silent:
+      return "silent";
+    case CpuState::failed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+constexpr const char* to_string(LinkState state) {
+  switch (state) {
+    case LinkState::down:
+      return "down";
+    case LinkState::up:
+      return "up";
+    case LinkState::silent:
+      return "silent";
+    case LinkState::folded:
+      return "folded";
+  }
+  return "unknown";
+}
 
 #define LIMB_RING_HELLO(X)                        \
   X(std::uint64_t, boot, 0, "boot number", "4.8") \
