@@ -37,8 +37,8 @@ struct Mutations : testing::TestWithParam<Case> {};
 TEST_P(Mutations, AreCaughtByTheCheckOfTheirPromise) {
   const auto violation = first_violation(GetParam().mutation, GetParam().promise);
   ASSERT_TRUE(violation);
-  EXPECT_EQ(violation->promise, GetParam().promise) << violation->what;
-  EXPECT_NE(violation->what, "");
+  EXPECT_EQ(violation->promise, GetParam().promise) << violation->what();
+  EXPECT_NE(violation->what(), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -128,7 +128,7 @@ TEST(FullRing, KeepsItsInsertionBuffersWithinTheirBound) {
   EXPECT_FALSE(violation_of_a_full_ring(Mutation::none));
   const auto violation = violation_of_a_full_ring(Mutation::does_not_wait);
   ASSERT_TRUE(violation);
-  EXPECT_EQ(violation->promise, Promise::insertion_bound) << violation->what;
+  EXPECT_EQ(violation->promise, Promise::insertion_bound) << violation->what();
 }
 
 /// A node sends over a line that harms one packet in so many, and nothing else is wrong: the hellos are long ago.
@@ -159,7 +159,7 @@ TEST(BadLine, ShowsACoreThatDoesNotLookAtTheCrc) {
   EXPECT_FALSE(violation_on_a_bad_line(Mutation::none, fault::Name::corrupt, 3));
   const auto violation = violation_on_a_bad_line(Mutation::takes_damaged, fault::Name::corrupt, 3);
   ASSERT_TRUE(violation);
-  EXPECT_EQ(violation->promise, Promise::undamaged) << violation->what;
+  EXPECT_EQ(violation->promise, Promise::undamaged) << violation->what();
 }
 
 // Among random faults a node has always said hello not long ago, and its loss is an excuse.
@@ -167,7 +167,7 @@ TEST(BadLine, ShowsACoreThatGivesUpEarly) {
   EXPECT_FALSE(violation_on_a_bad_line(Mutation::none, fault::Name::drop, 2));
   const auto violation = violation_on_a_bad_line(Mutation::gives_up_early, fault::Name::drop, 2);
   ASSERT_TRUE(violation);
-  EXPECT_EQ(violation->promise, Promise::true_result) << violation->what;
+  EXPECT_EQ(violation->promise, Promise::true_result) << violation->what();
 }
 
 TEST(Unbroken, TheSameSeedsBreakNoPromise) { EXPECT_FALSE(first_violation(Mutation::none, Promise::one_result, 10)); }

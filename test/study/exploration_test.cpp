@@ -16,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string in_words(const std::optional<Exploration::Found>& found) {
-  return found ? to_text(found->choices) + ": " + found->violation.what : "";
+  return found ? to_text(found->choices) + ": " + found->violation.what() : "";
 }
 
 Exploration::Bounds bounds(unsigned faults, unsigned places = Exploration::kAllPlaces) {

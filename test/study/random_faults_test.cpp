@@ -29,7 +29,7 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 std::string in_words(const RandomFaults& run) {
   const auto& broken = run.violation();
   if (!broken) return "";
-  return std::string(sim::to_string(broken->promise)) + ": " + broken->what + ", at " +
+  return std::string(sim::to_string(broken->promise)) + ": " + broken->what() + ", at " +
          std::to_string(core::picoseconds(broken->at.time_since_epoch())) + " ps";
 }
 
