@@ -71,7 +71,7 @@ TEST(Reset, OfANodeWithoutCpuIsKnownByItsRowOrItsBeacon) {
   EXPECT_TRUE(has_no_cpu({{12, own("none")}}, 12));
   EXPECT_FALSE(has_no_cpu({{12, own("absent")}}, 12));
   EXPECT_FALSE(has_no_cpu({{13, heard}}, 12));
-  heard.heard[0].cpu_state = "none";
+  heard.heard[0].beacon.cpu_state = wire::CpuState::none;
   EXPECT_TRUE(has_no_cpu({{13, heard}}, 12));
 }
 
