@@ -117,13 +117,13 @@ TEST_F(StubbornDaemon, GivesItsReasonForEndingAConnection) {
 TEST_F(StubbornDaemon, SayingNonsenseIsLeft) {
   HostPort port = connect();
   daemon.say_bytes({0, 0, 0, 1, 0x55});
-  EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("no message"));
+  EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("not a message"));
 }
 
 TEST_F(StubbornDaemon, ClaimingAHugeMessageIsLeft) {
   HostPort port = connect();
   daemon.say_bytes({0xFF, 0xFF, 0xFF, 0xFF, 0x85});
-  EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("no message"));
+  EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("not a message"));
 }
 
 TEST_F(StubbornDaemon, AnsweringACallTwiceIsHeardOnce) {

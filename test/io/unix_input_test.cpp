@@ -74,7 +74,7 @@ TEST_F(UnixInputFromHand, IsClosedOnWhatIsNoSlice) {
   send_now(line.get(), {garbage.data(), garbage.size()});
   ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
   EXPECT_EQ(counters().malformed, 1u);
-  EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("no slice")));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("not a slice")));
 }
 
 TEST_F(UnixInputFromHand, TellsTheReplacedOneWhy) {
@@ -133,7 +133,7 @@ TEST(UnixInputPath, ThatHoldsAnOrdinaryFileIsLeftAlone) {
   TemporaryFolder folder;
   const std::string path = folder.file("notes");
   std::ofstream(path) << "dear diary";
-  EXPECT_THAT(complaint_about(Endpoint::unix_stream(path)), HasSubstr("no socket"));
+  EXPECT_THAT(complaint_about(Endpoint::unix_stream(path)), HasSubstr("not a socket"));
   EXPECT_TRUE(std::filesystem::exists(path));
 }
 

@@ -125,7 +125,7 @@ TEST_F(UnknownPeer, ThatEndsATurnWhichItHasNotIsSentAway) {
   RawClient client("r", "3");
   client.say(client::Greeting{});
   client.say(client::Waiting{});
-  EXPECT_THAT(shown_out(client), HasSubstr("no message"));
+  EXPECT_THAT(shown_out(client), HasSubstr("not a message"));
 }
 
 TEST_F(UnknownPeer, SayingRandomMessagesHarmsNobody) {

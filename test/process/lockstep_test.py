@@ -169,7 +169,7 @@ with limb_ring.HostPort.connect(role='cpu') as port:
                                       '--clock', 'virtual'])
             act(self.wait_cpu(1, 'running')['pid'])
             if word.startswith('ended'):
-                self.wait('it is missed', lambda: 'stopped, at' in self.log_of(run) or 'ended by itself' in self.log_of(run))
+                self.wait('it is missed', lambda: 'stopped by a signal' in self.log_of(run) or 'ended by itself' in self.log_of(run))
             run.send_signal(signal.SIGTERM)
             self.assertEqual(self.wait_exit(run), 0)
             self.assertIn(word, self.log_of(run))
