@@ -34,7 +34,7 @@ void ClientCalls::hear(const client::SendRequest& request) {
     if (state) to_.cpu.stop_latched(state->mode.stopped);
     to_.cpu.watch().sent(state, to_.driver.now());
   } else if (payload::is_type(data, PacketType::imu) || payload::is_type(data, PacketType::force)) {
-    to_.cpu.watch().sent(payload::decode_sensor_reading(data), to_.driver.now());
+    to_.cpu.watch().sent(payload::decode_sensor_reading(data), request.destination, to_.driver.now());
   }
 }
 

@@ -16,6 +16,11 @@ std::string source_of(const config::SensorConfig& sensor) {
   return sensor.topic.empty() ? "" : ", whose values the bridge takes from the topic " + sensor.topic;
 }
 
+/// Whether it is the value of a sensor of that node, whose values a bridge hands it.
+bool is_for_a_topic(const payload::SensorReading& value, const config::NodeConfig* to) {
+  return to && config::unfit(value, to->sensors).empty() && !to->sensors[value.sensor].topic.empty();
+}
+
 }  // namespace
 
 void CpuWatch::begin(core::Time now) {
@@ -47,13 +52,16 @@ void CpuWatch::sent(const payload::Decoded<payload::JointState>& state, core::Ti
                      ": nobody takes it");
 }
 
-void CpuWatch::sent(const payload::Decoded<payload::SensorReading>& reading, core::Time now) {
+void CpuWatch::sent(const payload::Decoded<payload::SensorReading>& reading, std::uint8_t to, core::Time now) {
   spoke_ = now;
   if (!reading)
     return warn(kUnfit, std::string("its CPU sends a sensor reading that cannot be read: ") +
                             payload::to_string(reading.error()));
   const std::string unfit = config::unfit(*reading, node_.sensors);
-  if (!unfit.empty()) return warn(kUnfit, "its CPU sends " + unfit + ": nobody takes it");
+  if (!unfit.empty()) {
+    if (!is_for_a_topic(*reading, ring_.find(to))) warn(kUnfit, "its CPU sends " + unfit + ": nobody takes it");
+    return;
+  }
   heard_[reading->sensor] = now;
 }
 

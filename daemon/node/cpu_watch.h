@@ -28,7 +28,11 @@ class CpuWatch {
 
   /// @param log is given each warning when it begins
   CpuWatch(const config::RingConfig& ring, const config::NodeConfig& node, std::function<void(const std::string&)> log)
-      : node_(node), state_rate_(ring.firmware.state_rate), log_(std::move(log)), heard_(node.sensors.size()) {}
+      : ring_(ring),
+        node_(node),
+        state_rate_(ring.firmware.state_rate),
+        log_(std::move(log)),
+        heard_(node.sensors.size()) {}
 
   /// Another CPU has come.
   void begin(core::Time now);
@@ -36,7 +40,8 @@ class CpuWatch {
   /// @name It has sent this on the joint channel
   ///@{
   void sent(const payload::Decoded<payload::JointState>& state, core::Time now);
-  void sent(const payload::Decoded<payload::SensorReading>& reading, core::Time now);
+  /// @param to whose sensor it may be: a bridge hands a sensor with a topic its values
+  void sent(const payload::Decoded<payload::SensorReading>& reading, std::uint8_t to, core::Time now);
   ///@}
   /// It is given this on the joint channel.
   void given(payload::ByteView data);
@@ -56,6 +61,7 @@ class CpuWatch {
   void look_at(const std::string& what, double rate, core::Time heard, core::Time now);
   void look_at_commands();
 
+  const config::RingConfig& ring_;
   const config::NodeConfig& node_;
   double state_rate_;
   std::function<void(const std::string&)> log_;

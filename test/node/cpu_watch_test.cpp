@@ -27,11 +27,11 @@ class CpuWatchTest : public ::testing::Test {
     return state;
   }
   void sends(const JointState& state) { watch.sent(payload::Decoded<JointState>(state), now); }
-  void sends_reading(std::uint8_t sensor, SensorReading::Kind kind = SensorReading::Kind::imu) {
+  void sends_reading(std::uint8_t sensor, SensorReading::Kind kind = SensorReading::Kind::imu, std::uint8_t to = 0) {
     SensorReading reading;
     reading.kind = kind;
     reading.sensor = sensor;
-    watch.sent(payload::Decoded<SensorReading>(reading), now);
+    watch.sent(payload::Decoded<SensorReading>(reading), to, now);
   }
   void is_given_commands(unsigned count) {
     payload::JointCommand command;
@@ -56,7 +56,8 @@ class CpuWatchTest : public ::testing::Test {
   config::RingConfig ring = config::parse_ring(
       "ring: r\nnodes:\n  - {id: 0, name: body}\n"
       "  - {id: 1, name: knee, cpu: attached, joints: [{name: k, lower: -1, upper: 1, velocity: 1, effort: 1}],\n"
-      "     sensors: [{name: foot, kind: imu, rate: 100}]}\n",
+      "     sensors: [{name: foot, kind: imu, rate: 100}]}\n"
+      "  - {id: 2, name: hip, cpu: attached, sensors: [{name: a, kind: force}, {name: b, kind: force, topic: /b}]}\n",
       "r.yaml");
   core::Time now{100s};
   std::vector<std::string> log;
@@ -96,6 +97,15 @@ TEST_F(CpuWatchTest, TellsOfPacketsThatDoNotFit) {
   sends_reading(7);
   EXPECT_THAT(texts(), ElementsAre(HasSubstr("the state of 2 joints, and the ring's file gives it 1"),
                                    HasSubstr("a reading of a force sensor as sensor 0"), HasSubstr("as sensor 7")));
+}
+
+TEST_F(CpuWatchTest, KnowsThatABridgeHandsASensorWithATopicItsValues) {
+  sends_reading(1, SensorReading::Kind::force, 2);
+  EXPECT_THAT(texts(), IsEmpty());
+  sends_reading(0, SensorReading::Kind::force, 2);  // no topic
+  sends_reading(1, SensorReading::Kind::imu, 2);    // of another kind
+  EXPECT_THAT(texts(), ElementsAre(HasSubstr("a reading of a force sensor as sensor 0"),
+                                   HasSubstr("a reading of an IMU as sensor 1")));
 }
 
 TEST_F(CpuWatchTest, TellsWhyNoneOfManyCommandsIsObeyed) {

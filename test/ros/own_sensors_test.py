@@ -105,6 +105,7 @@ class OwnSensors(unittest.TestCase):
         wait_for(lambda: come() and self.ring.counter('sensor_values_left_out') > 0, 'values left out')
         self.assertEqual((imus.get().linear_acceleration.x, imus.get().angular_velocity.z), (1.5, -0.25))
         self.assertEqual((imus.get().header.frame_id, forces.get().wrench.force.y), ('hip_imu', 40))
+        self.assertEqual({seen.name: seen.problem for seen in self.ring.status.get().nodes}['body'], '')
         for publisher, _ in out:
             publisher.unregister()
         self.ring.status.wait(lambda status: set(status.silent_sensors) >= set(OF_TOPICS), 'silent again')
