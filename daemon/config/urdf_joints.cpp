@@ -6,6 +6,7 @@
 #include <set>
 
 #include "config/quantity.h"
+#include "config/ring_config.h"
 
 namespace limb_ring::config {
 namespace {
@@ -42,11 +43,20 @@ const XMLElement* xacro_in(const XMLElement& root) {
   return nullptr;
 }
 
+/// XML's declaration may only stand at the very beginning. Old versions of xacro write comments before it, and ROS
+/// takes that: it becomes blanks.
+std::string without_late_declaration(std::string text) {
+  const std::size_t begin = text.find("<?xml "), end = text.find("?>", begin);
+  if (begin == 0 || end == std::string::npos) return text;
+  return text.replace(begin, end + 2 - begin, end + 2 - begin, ' ');
+}
+
 class UrdfReader {
  public:
   UrdfReader(UrdfJoints& into, bool whole) : urdf_(into), whole_(whole) {}
 
-  void read(const std::string& text) {
+  void read(const std::string& given) {
+    const std::string text = without_late_declaration(given);
     tinyxml2::XMLDocument xml;
     if (xml.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
       refuse(xml.ErrorLineNum(), std::string("is not XML: ") + xml.ErrorName());
@@ -58,11 +68,14 @@ class UrdfReader {
                                      ">. 'xacro FILE.xacro > robot.urdf' makes a URDF of it");
     urdf_.robot = text_of(root->Attribute("name"));
     for (const XMLElement* link = root->FirstChildElement("link"); link; link = link->NextSiblingElement("link"))
-      links_.insert(text_of(link->Attribute("name")));
+      if (!links_.insert(text_of(link->Attribute("name"))).second && whole_)
+        problems_.gather(
+            [&] { refuse(link->GetLineNum(), "link '" + text_of(link->Attribute("name")) + "' is there twice"); });
     for (const XMLElement* joint = root->FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint"))
       problems_.gather([&] { take(*joint); });
     for (const auto& [name, joint] : urdf_.joints)
       if (joint.mimic) problems_.gather([&, &name = name, &joint = joint] { check_mimic(name, joint); });
+    if (whole_) problems_.gather([&] { check_tree(root->GetLineNum()); });
     problems_.refuse_all();
   }
 
@@ -113,6 +126,31 @@ class UrdfReader {
     const double lower = limit_of(joint, "lower"), upper = limit_of(joint, "upper");
     if (joint.type != "continuous" && lower > upper)
       note("has the limits " + format_real(lower) + " to " + format_real(upper) + "; allowed: lower less than upper");
+  }
+
+  /// Every link but one is the child of a joint, and joints lead to it from that one.
+  void check_tree(int line) const {
+    std::multimap<std::string, const UrdfJoint*> below;  // joints by their parent
+    std::set<std::string> roots = links_;
+    for (const auto& [name, joint] : urdf_.joints) {
+      if (links_.count(joint.parent) == 0 || links_.count(joint.child) == 0) return;  // said already
+      below.emplace(joint.parent, &joint);
+      roots.erase(joint.child);
+    }
+    if (roots.size() > 1)
+      refuse(line, "no joint leads to the links " + join({roots.begin(), roots.end()}) +
+                       "; allowed: one such link, from which joints lead to all others");
+    std::vector<std::string> reached(roots.begin(), roots.end());
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      const auto [begin, end] = below.equal_range(std::string(reached[i]));
+      for (auto joint = begin; joint != end; ++joint) reached.push_back(joint->second->child);
+      below.erase(begin, end);
+    }
+    if (!below.empty())
+      refuse(below.begin()->second->line,
+             "link '" + below.begin()->first +
+                 "' hangs in a loop of joints; allowed: joints that lead to it from a link "
+                 "that is nobody's child");
   }
 
   /// 0 by default, says the format.

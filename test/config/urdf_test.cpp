@@ -274,6 +274,35 @@ TEST_F(Urdf, ThatIsToBeAWholeRobotHasItsLinksAndItsLimits) {
   }
 }
 
+TEST_F(Urdf, ThatIsToBeAWholeRobotIsATreeOfLinks) {
+  const auto refused = [](const std::string& parts) -> std::string {
+    try {
+      parse_urdf(robot("<link name='a'/><link name='b'/><link name='c'/>\n" + parts), "robot.urdf", /*whole=*/true);
+      return {};
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+  };
+  const auto joint = [](const char* name, const char* parent, const char* child) {
+    return std::string("<joint name='") + name + "' type='fixed'><parent link='" + parent + "'/><child link='" + child +
+           "'/></joint>\n";
+  };
+  EXPECT_EQ(refused(joint("1", "b", "a") + joint("2", "b", "c")), "");
+  EXPECT_THAT(refused(joint("1", "a", "b")),
+              StartsWith("robot.urdf:1: no joint leads to the links a, c; allowed: one such link"));
+  EXPECT_THAT(refused(joint("1", "a", "b") + joint("2", "b", "c") + joint("3", "c", "a")),
+              StartsWith("robot.urdf:3: link 'a' hangs in a loop of joints"));
+  EXPECT_THAT(refused(joint("1", "b", "c") + joint("2", "c", "b")), HasSubstr("link 'b' hangs in a loop"));
+  EXPECT_THAT(refused(joint("1", "b", "b") + joint("2", "a", "c")), HasSubstr(":3: link 'b' hangs in a loop"));
+  EXPECT_THAT(refused("<link name='a'/>" + joint("1", "a", "b") + joint("2", "a", "c")),
+              StartsWith("robot.urdf:3: link 'a' is there twice"));
+}
+
+TEST_F(Urdf, MayHaveCommentsBeforeItsXmlDeclarationAsOfOldXacro) {
+  const std::string text = "<!-- written by xacro -->\n<?xml version=\"1.0\" ?>\n" + knee("revolute", "");
+  EXPECT_EQ(parse_urdf(text, "robot.urdf").joints.at("knee").line, 4);
+}
+
 TEST_F(Urdf, HasALimitThatIsWrong) {
   EXPECT_THAT(refusal(knee("revolute", "<limit lower='-1' upper='1' velocity='fast' effort='9'/>")),
               HasSubstr("entry 'nodes[0].joints[0]': joint 'knee' has velocity=\"fast\" in " + folder_ +
