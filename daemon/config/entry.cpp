@@ -118,6 +118,12 @@ void check(const std::string& text, const std::string& name) {
                       ": what begins here is not part of the YAML document; allowed: one document, which is a map");
 }
 
+/// Its first character is '<', which no YAML of ours begins with.
+bool looks_like_xml(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");  // a byte order mark, too
+  return first != std::string::npos && text[first] == '<';
+}
+
 /// yaml-cpp's own words do not say what stands there: it looks like blanks.
 bool is_indented_by_a_tab(const std::string& text, const YAML::Mark& mark) {
   std::istringstream in(text);
@@ -130,6 +136,9 @@ bool is_indented_by_a_tab(const std::string& text, const YAML::Mark& mark) {
 }  // namespace
 
 YAML::Node parse_yaml(const std::string& text, const std::string& name) {
+  if (looks_like_xml(text))
+    throw ConfigError(name + ": is XML, not YAML; if it describes a robot, 'ringctl new " + name +
+                      "' writes its ring's file");
   try {
     check(text, name);
     return YAML::Load(text);

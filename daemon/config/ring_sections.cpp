@@ -24,10 +24,12 @@ void read_into_roster(const Entry& item) {
   id_option.read(*id, node);
   node.name = "node" + std::to_string(node.id);
   if (name) name_option.read(*name, node);
-  if (!nodes.emplace(std::to_string(node.id), node.id).second)
-    id->refuse_value("is the id of another node", "ids 0 to 254, each once");
-  if (!nodes.emplace(node.name, node.id).second)
-    (name ? *name : item).refuse("'" + node.name + "' is the name of another node", "each name once");
+  Problems problems;
+  const bool is_new = nodes.emplace(std::to_string(node.id), node.id).second;
+  if (!is_new) problems.gather([&] { id->refuse_value("is the id of another node", "ids 0 to 254, each once"); });
+  if (!nodes.emplace(node.name, node.id).second && (name || is_new))
+    (name ? *name : item).note(problems, "'" + node.name + "' is the name of another node", "each name once");
+  problems.refuse_all();
 }
 
 /// Ids and names of all nodes, before anything that may refer to them is read.

@@ -34,6 +34,11 @@ TEST_F(UnreadableFile, IsReadWhereNothingIsWrong) {
   EXPECT_EQ(load_ring(path).path, path);
 }
 
+TEST_F(UnreadableFile, ThatIsXmlIsNamedForIt) {
+  for (const char* text : {"<robot name=\"r\"/>", "\xEF\xBB\xBF<?xml version=\"1.0\"?>\n<sdf/>", "\n  <launch/>"})
+    EXPECT_THAT(refusal_of_file(file(text)), HasSubstr(": is XML, not YAML; if it describes a robot, 'ringctl new "));
+}
+
 TEST_F(UnreadableFile, ThatIsNotThere) {
   EXPECT_EQ(refusal_of_file(folder_ + "/none.yaml"), folder_ + "/none.yaml: there is no such file");
   EXPECT_EQ(refusal_of_file("no/such.yaml"),

@@ -35,6 +35,8 @@ TEST(WrongNodes, IdMissingOutOfRangeOrTwice) {
   EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 3}\n  - {id: 3}\n"),
               Eq("ring.yaml:4:10: entry 'nodes[1].id': '3' is the id of another node; allowed: ids 0 to "
                  "254, each once"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 3, name: a}\n  - {id: 3, name: a}\n"),
+              AllOf(HasSubstr("'3' is the id of another node"), HasSubstr("'a' is the name of another node")));
 }
 
 TEST(WrongNodes, ForeignBesideSharedMemory) {

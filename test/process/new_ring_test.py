@@ -66,6 +66,13 @@ class NewRing(RingTest):
 
     def test_what_is_no_urdf_is_named_for_what_it_is(self):
         self.assertIn('is an SDF', self.new('cassie.sdf', code=2).stderr)
+        xacro = os.path.join(self.folder, 'robot.urdf.xacro')
+        with open(xacro, 'w') as file:
+            file.write('<?xml version="1.0"?>\n<robot name="r"><xacro:macro name="leg"/></robot>\n')
+        checked = self.ctl('check', os.path.join(ROBOTS, 'cassie.sdf'), xacro)
+        self.assertEqual(checked.returncode, 2, checked.stdout)
+        self.assertIn('is an SDF', checked.stderr)
+        self.assertIn('is a xacro file', checked.stderr)
 
     def test_the_table_of_robots_says_how_many_load_and_how_many_did(self):
         table = subprocess.run([sys.executable, TABLE, ROBOTS, '--programs', os.path.dirname(ring_process.program('ringctl'))],

@@ -55,7 +55,9 @@ bool is_scenario(const std::string& path) {
 }
 
 std::string words_of(const std::string& given) {
-  if (std::filesystem::path(given).extension() == ".urdf") return urdf_words(given);
+  const std::string ending = std::filesystem::path(given).extension().string();
+  for (const char* robot : {".urdf", ".xacro", ".sdf", ".xml", ".dae"})
+    if (ending == robot) return urdf_words(given);
   const std::string path = app::ring_file(given);
   if (is_scenario(path)) {
     const scenario::Scenario scenario = scenario::load_scenario(path);
