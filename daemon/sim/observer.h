@@ -67,6 +67,8 @@ class Observer {
   /// A node gives out an event, or a packet to its CPU.
   virtual void event(NodeId, const core::Event&) {}
   virtual void packet(NodeId, const core::ReceivedPacket&) {}
+  /// These nodes and the others lose each other; nobody: all reach each other again.
+  virtual void parted(const core::RingOrder&, Time) {}
   /// A fault, or its end: what the ring promises is weaker for a while. The line counts for faults of a line only.
   virtual void incident(NodeId, Incident, Time, Line) {}
 };

@@ -279,6 +279,7 @@ void VirtualRing::set_output_ready(NodeId id, bool ready) {
 }
 
 void VirtualRing::part(const core::RingOrder& these) {
+  for (Observer* observer : observers_) observer->parted(these, now_);
   for (const NodeId id : order()) nodes_[id].parted = core::is_in(these, id);
   for (const NodeId id : order())
     for (const Line line : lines()) {

@@ -20,15 +20,21 @@ constexpr unsigned kSteps = 1200;
 constexpr unsigned kStepsToStorm = 16;
 /// Before a storm: longer than ends take to notice, a node to join, and a beacon to come.
 constexpr Duration kMostBeforeStorm = 2ms;
+constexpr unsigned kStepsToSeek = 24;
+/// So that what is sought is drawn by other numbers than all else.
+constexpr std::uint64_t kOfGoals = 0x60a15;
 
 }  // namespace
 
-RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world)
+RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, const sim::Goal* sought)
     : draws_(seed),
       wide_(~seed),
       world_(fold_back, world, draws_, wide_),
+      sought_(sought),
+      sought_draws_(seed ^ kOfGoals),
       ring_(ring_options()),
       invariants_(ring_),
+      goals_(ring_),
       lines_(ring_, seed),
       history_(ring_),
       killed_(ring_.size(), false) {
@@ -113,6 +119,7 @@ void RandomFaults::act() {
   }
   if (world_.in_parts && wide_.once_in(world_.trouble)) burst();
   if (world_.storms && wide_.once_in(kStepsToStorm)) storm();
+  if (sought_ != nullptr && sought_draws_.once_in(kStepsToSeek)) seek();
   if (draws_.once_in(7))
     interrupt();
   else
@@ -163,17 +170,11 @@ void RandomFaults::fault() {
     case 5:
       return heal(node);
     case 6:
-      history_.add(ring_.cpu_reads(node) ? fault::Name::not_reading : fault::Name::resume, node);
-      ring_.set_cpu_reads(node, !ring_.cpu_reads(node));
-      return;  // its CPU hangs, or goes on
+      return hang_or_go_on(node);
     case 7:
-      history_.add(Kind::cancel, node);
-      if (ring_.alive(node)) ring_.cancel(node);
-      return;
+      return cancel(node);
     case 8:
-      history_.add(fault::Name::reset, node);
-      if (ring_.alive(node)) ring_.reset_cpu(node);
-      return;
+      return reset_cpu(node);
     case 9:
       return ring_.alive(node) ? freeze_or_thaw(node) : kill_or_start(node);
     case 10:
@@ -181,6 +182,21 @@ void RandomFaults::fault() {
     case 12:
       return line_fault(node);
   }
+}
+
+void RandomFaults::hang_or_go_on(NodeId node) {
+  history_.add(ring_.cpu_reads(node) ? fault::Name::not_reading : fault::Name::resume, node);
+  ring_.set_cpu_reads(node, !ring_.cpu_reads(node));
+}
+
+void RandomFaults::cancel(NodeId node) {
+  history_.add(Kind::cancel, node);
+  if (ring_.alive(node)) ring_.cancel(node);
+}
+
+void RandomFaults::reset_cpu(NodeId node) {
+  history_.add(fault::Name::reset, node);
+  if (ring_.alive(node)) ring_.reset_cpu(node);
 }
 
 void RandomFaults::power_cycle(NodeId node) {
@@ -226,6 +242,70 @@ void RandomFaults::strike(NodeId node) {
     default:
       return ring_.alive(node) ? cut(node) : kill_or_start(node);
   }
+}
+
+// The strikes of the goal, most of them within a lap, where a ring may be whole, or not. Some goals need longer than
+// that between two of them: a beacon, or a try.
+void RandomFaults::seek() {
+  if (sought_draws_.once_in(2)) seek_by(sim::Strike::mend_all, random_node());
+  std::size_t place = sought_draws_.below(world_.nodes);
+  for (const sim::Strike strike : sought_->strikes) {
+    if (strike == sim::Strike::none || !goes_on()) return;
+    const NodeId node = world_.order[place % world_.nodes];
+    seek_by(strike, node);
+    place += world_.nodes - 1 + sought_draws_.below(3);
+    const Duration lap = ring_.settings(node).worst_lap();
+    const Duration longest = sought_draws_.once_in(3) ? std::max<Duration>(4 * lap, kMostBeforeStorm) : lap;
+    ring_.run_for(Duration{1ns} * sought_draws_.below(static_cast<unsigned>(longest / 1ns) + 1));
+    note_violation();
+  }
+}
+
+void RandomFaults::seek_by(sim::Strike strike, NodeId node) {
+  using sim::Strike;
+  switch (strike) {
+    case Strike::none:
+      return;
+    case Strike::restart:
+      return power_cycle(node);
+    case Strike::kill:
+      return ring_.alive(node) ? kill_or_start(node) : void();
+    case Strike::freeze:
+      return freeze_or_thaw(node);
+    case Strike::cut:
+      return cut(node);
+    case Strike::mend:
+      return heal(node);
+    case Strike::host:
+      return part_or_regroup(node);
+    case Strike::lose:
+      return lose_next(node);
+    case Strike::hold:
+      return hold_output(node);
+    case Strike::hang:
+      return hang_or_go_on(node);
+    case Strike::reset:
+      return reset_cpu(node);
+    case Strike::cancel:
+      return cancel(node);
+    case Strike::send:
+      return send();
+    case Strike::interrupt:
+      return interrupt();
+    case Strike::mend_all:
+      mend_all();
+      ring_.run_for(Duration{1ns} * sought_draws_.below(kMostBeforeStorm / 1ns));
+      return note_violation();
+  }
+}
+
+void RandomFaults::lose_next(NodeId node) {
+  fault::Fault fault;
+  fault.name = fault::Name::drop;
+  fault.nodes = {node};
+  fault.packets = 1 + sought_draws_.below(3);
+  history_.add(fault);
+  lines_.begin(fault);
 }
 
 // A host has nodes beside each other, from this one on.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/goals.h"
 #include "sim/invariants.h"
 #include "sim/virtual_line_faults.h"
 #include "study/soak_world.h"
@@ -20,7 +21,10 @@ class RandomFaults {
  public:
   using FoldBack = FoldingRings;
   using World = WorldKind;
-  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some, World world = World::usual);
+  /// @param sought null, or what is drawn on purpose now and then: the strikes of that goal. The same seed and goal
+  /// give the same run. @pre the world can meet it
+  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some, World world = World::usual,
+                        const sim::Goal* sought = nullptr);
 
   /// Runs it all, or until a promise is broken.
   /// @param asked_to_stop asked many times, whatever the ring is at
@@ -43,6 +47,8 @@ class RandomFaults {
   const std::array<unsigned, wire::kOutcomes>& ended() const { return ended_; }
   unsigned nodes() const { return world_.nodes; }
   std::uint64_t hops() const;
+  /// How often each goal was met, by place in sim::goals().
+  std::vector<std::uint64_t> goals_met() const { return goals_.met(); }
 
  private:
   wire::NodeId random_node() { return world_.order[draws_.below(world_.nodes)]; }
@@ -61,6 +67,8 @@ class RandomFaults {
   void fault();
   void burst();
   void storm();
+  void seek();
+  void seek_by(sim::Strike strike, wire::NodeId node);
   void mend_all();
   void strike(wire::NodeId node);
   void power_cycle(wire::NodeId node);
@@ -68,6 +76,10 @@ class RandomFaults {
   void line_fault(wire::NodeId node);
   void stand_still(wire::NodeId node);
   void hold_output(wire::NodeId node);
+  void lose_next(wire::NodeId node);
+  void hang_or_go_on(wire::NodeId node);
+  void cancel(wire::NodeId node);
+  void reset_cpu(wire::NodeId node);
   /// Nanoseconds: that part of the time-out of a try.
   unsigned longest_hold(wire::NodeId node, int share) const;
   void cut(wire::NodeId node);
@@ -87,8 +99,11 @@ class RandomFaults {
   Draws draws_;
   Draws wide_;  ///< for wide worlds and those in parts alone: seeds of usual ones give the same runs as ever
   const SoakWorld world_;
+  const sim::Goal* const sought_;
+  Draws sought_draws_;  ///< for what is sought alone
   sim::VirtualRing ring_;
   sim::Invariants invariants_;
+  sim::GoalCounts goals_;
   sim::VirtualLineFaults lines_;
   SoakHistory history_;
   bool quiet_ = false;

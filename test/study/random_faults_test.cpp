@@ -231,5 +231,38 @@ TEST(RandomFaults, OfTheSameSeedAreTheSame) {
   EXPECT_EQ(first.ended(), second.ended());
 }
 
+/// In how many of 20 seeds a goal is met: as they are, and where they seek it.
+std::pair<unsigned, unsigned> met_of_20(const char* name, RandomFaults::World world) {
+  const std::size_t place = *sim::goal_named(name);
+  const auto met = [&](const sim::Goal* sought) {
+    unsigned seeds = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      RandomFaults run(seed, RandomFaults::FoldBack::all, world, sought);
+      run.run();
+      EXPECT_EQ(in_words(run), "") << "seed " << seed << ", " << name;
+      seeds += run.goals_met()[place] != 0 ? 1 : 0;
+    }
+    return seeds;
+  };
+  return {met(nullptr), met(&sim::goals()[place])};
+}
+
+TEST(Goals, AreMetByMoreSeedsThatSeekThem) {
+  for (const char* name : {"three_breaks", "half_down", "fold_while_joining", "retry_meets_a_restarted_receiver"}) {
+    const auto [met, sought] = met_of_20(name, RandomFaults::World::usual);
+    EXPECT_GT(sought, met) << name;
+  }
+}
+
+TEST(Goals, OfTheSameSeedAndWhatItSeeksAreTheSame) {
+  const sim::Goal& goal = sim::goals()[*sim::goal_named("cut_off")];
+  RandomFaults first(7, RandomFaults::FoldBack::some, RandomFaults::World::usual, &goal);
+  RandomFaults second(7, RandomFaults::FoldBack::some, RandomFaults::World::usual, &goal);
+  first.run();
+  second.run();
+  EXPECT_EQ(first.goals_met(), second.goals_met());
+  EXPECT_EQ(first.hops(), second.hops());
+}
+
 }  // namespace
 }  // namespace limb_ring::study

@@ -10,6 +10,7 @@
 
 #include "core/time.h"
 #include "io/signal_wait.h"
+#include "sim/goals.h"
 #include "sim/trace.h"
 #include "study/shrunk_soak.h"
 #include "tools/common/command_line.h"
@@ -29,38 +30,128 @@ struct SoakOptions {
   std::uint64_t failures = 1;
   std::optional<std::string> shrink_into;  ///< folder
   bool hashes = false;
+  bool list_goals = false, require_goals = false;
+  bool seek_unmet = false;
+  std::vector<std::size_t> sought;  ///< places in sim::goals(); seeds take them in turn
   app::Format format = app::Format::text;
 };
 
 const char* const kWorlds[] = {"usual", "wide", "parts", "storms"};  // by study::WorldKind
 
-/// Sends by outcome, and hops, over all seeds so far.
+/// In how many seeds a goal was met, and how often.
+struct GoalTally {
+  std::uint64_t seeds = 0, times = 0;
+};
+
+/// Sends by outcome, hops, and goals, over all seeds so far.
 struct Tally {
   std::uint64_t seeds = 0, hops = 0;
   std::array<std::uint64_t, wire::kOutcomes> ended{};
+  std::vector<GoalTally> goals = std::vector<GoalTally>(sim::goals().size());
 
   void add(const study::RandomFaults& run) {
     ++seeds;
     hops += run.hops();
     for (std::size_t i = 0; i < ended.size(); ++i) ended[i] += run.ended()[i];
+    const std::vector<std::uint64_t> met = run.goals_met();
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      goals[i].seeds += met[i] != 0 ? 1 : 0;
+      goals[i].times += met[i];
+    }
   }
   app::Row row(const SoakOptions& options) const {
     app::Row out{{"first_seed", options.first}, {"seeds", seeds}, {"packet_hops", hops}};
     for (std::size_t i = 0; i < ended.size(); ++i) out[to_string(static_cast<core::Outcome>(i))] = ended[i];
+    if (options.format != app::Format::json) return out;
+    for (std::size_t i = 0; i < goals.size(); ++i)
+      out["goals"][sim::goals()[i].name] = {{"seeds", goals[i].seeds}, {"times", goals[i].times}};
     return out;
   }
 };
 
-std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, const SoakOptions& options) {
+// ---- goals ----------------------------------------------------------------------------------
+
+bool can_meet(study::WorldKind world, const sim::Goal& goal) {
+  return static_cast<int>(world) >= static_cast<int>(goal.world);
+}
+
+/// The world that is asked for, or the least that can meet the goal.
+study::WorldKind world_for(const sim::Goal* goal, const SoakOptions& options) {
+  return goal == nullptr || can_meet(options.world, *goal) ? options.world : static_cast<study::WorldKind>(goal->world);
+}
+
+std::string names_of(const std::vector<std::size_t>& goals) {
+  std::string names;
+  for (const std::size_t goal : goals) names += (names.empty() ? "" : ", ") + std::string(sim::goals()[goal].name);
+  return names;
+}
+
+/// Which goal each seed seeks.
+class Seeking {
+ public:
+  explicit Seeking(const SoakOptions& options) : options_(options), sought_(options.sought) {}
+
+  /// Null: none.
+  const sim::Goal* goal_of(std::uint64_t seed) const {
+    if (sought_.empty() || (options_.seek_unmet && seed % 2 == 0)) return nullptr;
+    return &sim::goals()[sought_[(options_.seek_unmet ? seed / 2 : seed) % sought_.size()]];
+  }
+  /// With --seek unmet: every kSeedsToLearn seeds, what none of them has met is sought by every second one.
+  void learn(const Tally& tally, std::uint64_t next_seed) {
+    if (!options_.seek_unmet || tally.seeds % kSeedsToLearn != 0) return;
+    std::vector<std::size_t> unmet;
+    for (std::size_t i = 0; i < tally.goals.size(); ++i)
+      if (tally.goals[i].seeds == 0) unmet.push_back(i);
+    if (unmet == sought_) return;
+    sought_ = std::move(unmet);
+    std::cerr << "From seed " << next_seed << " on every second seed seeks one of: " << names_of(sought_) << ".\n";
+  }
+
+ private:
+  static constexpr std::uint64_t kSeedsToLearn = 100;
+
+  const SoakOptions& options_;
+  std::vector<std::size_t> sought_;
+};
+
+/// What was met in no seed, though the worlds that were run can meet it.
+std::vector<std::size_t> never_met(const Tally& tally, const SoakOptions& options) {
+  std::vector<std::size_t> never;
+  for (std::size_t i = 0; i < tally.goals.size(); ++i)
+    if (tally.goals[i].seeds == 0 && (options.seek_unmet || can_meet(options.world, sim::goals()[i])))
+      never.push_back(i);
+  return never;
+}
+
+std::string all_goals_text(const Tally& tally) {
+  std::vector<app::Row> rows;
+  for (std::size_t i = 0; i < tally.goals.size(); ++i)
+    rows.push_back({{"goal", sim::goals()[i].name},
+                    {"seeds", tally.goals[i].seeds},
+                    {"times", tally.goals[i].times},
+                    {"what", sim::goals()[i].sentence}});
+  return app::format_rows(rows, app::Format::text);
+}
+
+std::string goals_text(const Tally& tally, const SoakOptions& options) {
+  const std::vector<std::size_t> never = never_met(tally, options);
+  const auto met = std::count_if(tally.goals.begin(), tally.goals.end(), [](auto& goal) { return goal.seeds != 0; });
+  const std::string text = "Goals met: " + std::to_string(met) + " of " +
+                           std::to_string(static_cast<std::size_t>(met) + never.size()) + " that these worlds can meet";
+  return (options.list_goals ? all_goals_text(tally) : "") + text +
+         (never.empty() ? ".\n" : "; never: " + names_of(never) + ".\n");
+}
+
+std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, const SoakOptions& options,
+                           const sim::Goal* sought) {
+  const study::WorldKind world = world_for(sought, options);
   const sim::Violation& broken = *run.violation();
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
          "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
          (options.all_fold_back ? " --redundancy foldback" : "") +
-         (options.world == study::WorldKind::usual
-              ? ""
-              : std::string(" --world ") + kWorlds[static_cast<std::size_t>(options.world)]) +
-         "\n";
+         (world == study::WorldKind::usual ? "" : std::string(" --world ") + kWorlds[static_cast<std::size_t>(world)]) +
+         (sought == nullptr ? "" : std::string(" --seek ") + sought->name) + "\n";
 }
 
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
@@ -107,14 +198,24 @@ class Soak {
     if (broken_ != 0) return kBroken;
     print();
     if (options_.format == app::Format::text) std::cout << "No promise was broken.\n";
-    return kDone;
+    return options_.require_goals ? judge_goals() : kDone;
   }
 
  private:
+  int judge_goals() const {
+    const std::vector<std::size_t> never = never_met(tally_, options_);
+    for (const std::size_t goal : never)
+      std::cerr << "never met: " << sim::goals()[goal].name << ": " << sim::goals()[goal].sentence << '\n';
+    return never.empty() ? kDone : kBroken;
+  }
+
   /// @return false where enough are broken
   bool run_seed(std::uint64_t seed) {
     using FoldBack = study::RandomFaults::FoldBack;
-    study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some, options_.world);
+    seeking_.learn(tally_, seed);
+    const sim::Goal* goal = seeking_.goal_of(seed);
+    study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some, world_for(goal, options_),
+                               goal);
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
     if (options_.shrink_into) faults.keep_history();
@@ -129,7 +230,7 @@ class Soak {
   }
 
   bool may_go_on_after(const study::RandomFaults& faults, std::uint64_t seed) {
-    std::cerr << violation_text(faults, seed, options_);
+    std::cerr << violation_text(faults, seed, options_, seeking_.goal_of(seed));
     if (options_.shrink_into) {
       signals_.reset();  // it may take long, and Ctrl-C ends it as ever
       small_ = write_shrunk(faults, seed, *options_.shrink_into, progress_) || small_;
@@ -150,12 +251,14 @@ class Soak {
       std::cout << tally_.row(options_).dump(2) << '\n';
     else
       std::cout << app::format_rows({tally_.row(options_)}, options_.format);
+    if (options_.format == app::Format::text) std::cout << goals_text(tally_, options_);
   }
 
   const SoakOptions& options_;
   std::optional<process::SignalWait> signals_{std::in_place};
   Progress progress_;
   Tally tally_;
+  Seeking seeking_{options_};
   std::uint64_t broken_ = 0;
   bool interrupted_ = false;
   bool small_ = false;  ///< a scenario that was made of one of them
@@ -203,6 +306,29 @@ void add_shrink(CLI::App& command, SoakOptions& options) {
       ->default_str(".");
 }
 
+void seek(const std::string& what, SoakOptions& options) {
+  options.seek_unmet = options.seek_unmet || what == "unmet";
+  if (what == "unmet") return;
+  const auto goal = sim::goal_named(what);
+  if (!goal) throw CLI::ValidationError("--seek", "'" + what + "' is not a goal; 'ring_sim soak --goals' lists them");
+  options.sought.push_back(*goal);
+}
+
+void add_goals(CLI::App& command, SoakOptions& options) {
+  command.add_flag("--goals", options.list_goals, "Print in how many seeds each goal was met, and how often");
+  command.add_flag("--require-goals", options.require_goals,
+                   "Exit with 1 if a goal was never met that this world can meet");
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--seek",
+          [&options](const std::vector<std::string>& words) {
+            for (const std::string& word : words) seek(word, options);
+          },
+          "Draw on purpose what meets these goals, in turn, in the least world that can. unmet: after each 100 seeds, "
+          "every second seed seeks what no seed has met; which, is printed")
+      ->delimiter(',');
+}
+
 /// Now, since a broken seed may come after hours. @throw UsageError
 void require_writable(const std::string& folder) {
   const std::string problem = app::make_output_folder(folder);
@@ -218,6 +344,11 @@ void check(const SoakOptions& options) {
   if (options.shrink_into && options.world != study::WorldKind::usual)
     throw UsageError(
         "--shrink goes only with the usual world: a scenario has neither lines that differ nor sparse ids");
+  if (options.seek_unmet && !options.sought.empty()) throw UsageError("--seek: either names of goals, or unmet");
+  if (options.shrink_into && (options.seek_unmet || !options.sought.empty()))
+    throw UsageError("--shrink: not of seeds that seek a goal; leave --seek out");
+  if (options.list_goals && options.format != app::Format::text)
+    throw UsageError("--goals prints lines of text: leave it out, --json has the goals");
   if (options.hashes && options.format != app::Format::text)
     throw UsageError("--hashes prints lines of text: leave --json and --csv out");
   if (options.shrink_into) require_writable(*options.shrink_into);
@@ -233,6 +364,7 @@ void add_soak(CLI::App& app, Context& context) {
   add_seeds(*command, *options);
   add_world(*command, *options);
   add_shrink(*command, *options);
+  add_goals(*command, *options);
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
   add_format(*command, options->format);
   command->callback([&context, options] {
