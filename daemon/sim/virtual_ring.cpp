@@ -19,6 +19,16 @@ unsigned ids_of(const VirtualRingOptions& options) {
 
 }  // namespace
 
+// The core knows time only as spans of its settings, so a fast clock is the same as shorter spans.
+void let_drift(core::Settings& s, int ppm) {
+  s.lap = s.worst_lap();
+  s.all_delays = s.all_delays.count() != 0 ? s.all_delays : s.nodes() * s.relay_delay;
+  for (Duration* kept :
+       {&s.lap, &s.all_delays, &s.send_timeout_least, &s.refused_for, &s.refused_backoff, &s.refused_backoff_most,
+        &s.queue_timeout, &s.stall, &s.beacon, &s.break_grace, &s.fold_permission, &s.unconfirmed_pace})
+    *kept = *kept * 1'000'000 / (1'000'000 + ppm);
+}
+
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
     : options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)) {
   if (options_.order.empty())
@@ -60,6 +70,7 @@ core::Settings VirtualRing::settings_of(NodeId id) const {
   settings.relay_delay = options_.relay_delay;
   settings.wired = {true, true, true, false, false, false, false, false};  // as pins are by default
   options_.adjust(settings);
+  if (options_.drift) let_drift(settings, options_.drift(id));
   return settings;
 }
 

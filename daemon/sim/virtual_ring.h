@@ -28,9 +28,15 @@ struct VirtualRingOptions {
   /// How long it takes until an end of a line that is gone notices that, drawn for each end; null: no time. A line is
   /// connected again only when both its ends have noticed.
   std::function<Duration()> noticing;
+  /// By how many millionths a node's clock is too fast, -100000 to 100000: then all times that it keeps are so much
+  /// shorter. Its lines have rates of their own. Null: all clocks are right.
+  std::function<int(NodeId)> drift;
   /// Last changes to a node's settings; its relay_delay is that of the line into it.
   std::function<void(core::Settings&)> adjust = [](core::Settings&) {};
 };
+
+/// All times that a node with these settings keeps, by a clock that is so many millionths too fast.
+void let_drift(core::Settings& settings, int ppm);
 
 /// What one node was given: its events and packets, in order.
 struct NodeLog {

@@ -22,16 +22,26 @@ constexpr unsigned kStepsToStorm = 16;
 constexpr Duration kMostBeforeStorm = 2ms;
 constexpr unsigned kStepsToSeek = 24;
 /// So that what is sought is drawn by other numbers than all else.
-constexpr std::uint64_t kOfGoals = 0x60a15;
+constexpr std::uint64_t kOfGoals = 0x60a15, kOfClocks = 0xc10c5;
+
+/// By id. @param most 0: none
+std::vector<int> drifts_of(std::uint64_t seed, unsigned most) {
+  std::vector<int> drifts;
+  Draws draws(seed ^ kOfClocks);
+  for (unsigned id = 0; most != 0 && id < wire::kBroadcast; ++id)
+    drifts.push_back(static_cast<int>(draws.below(2 * most + 1)) - static_cast<int>(most));
+  return drifts;
+}
 
 }  // namespace
 
-RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, const sim::Goal* sought)
+RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, const More& more)
     : draws_(seed),
       wide_(~seed),
       world_(fold_back, world, draws_, wide_),
-      sought_(sought),
+      sought_(more.sought),
       sought_draws_(seed ^ kOfGoals),
+      drifts_(drifts_of(seed, more.drift)),
       ring_(ring_options()),
       invariants_(ring_),
       goals_(ring_),
@@ -54,6 +64,7 @@ sim::VirtualRingOptions RandomFaults::ring_options() {
   options.byte_time = world_.paced ? Duration{8ns} : Duration{0};
   options.keep_logs = false;
   options.adjust = [this](core::Settings& settings) { world_.adjust(settings); };
+  if (!drifts_.empty()) options.drift = [this](NodeId id) { return drifts_[id]; };
   return options;
 }
 

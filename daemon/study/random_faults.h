@@ -21,10 +21,15 @@ class RandomFaults {
  public:
   using FoldBack = FoldingRings;
   using World = WorldKind;
-  /// @param sought null, or what is drawn on purpose now and then: the strikes of that goal. The same seed and goal
-  /// give the same run. @pre the world can meet it
-  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some, World world = World::usual,
-                        const sim::Goal* sought = nullptr);
+  /// What a seed has besides; without it, it gives the run that it always gave.
+  struct More {
+    const sim::Goal* sought = nullptr;  ///< its strikes are drawn on purpose now and then
+    unsigned drift = 0;                 ///< of each node's clock, up to so many millionths, too fast or too slow
+  };
+  /// @pre the world can meet what is sought
+  RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, const More& more);
+  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some, World world = World::usual)
+      : RandomFaults(seed, fold_back, world, More()) {}
 
   /// Runs it all, or until a promise is broken.
   /// @param asked_to_stop asked many times, whatever the ring is at
@@ -100,7 +105,8 @@ class RandomFaults {
   Draws wide_;  ///< for wide worlds and those in parts alone: seeds of usual ones give the same runs as ever
   const SoakWorld world_;
   const sim::Goal* const sought_;
-  Draws sought_draws_;  ///< for what is sought alone
+  Draws sought_draws_;             ///< for what is sought alone
+  const std::vector<int> drifts_;  ///< by id; empty: all clocks are right
   sim::VirtualRing ring_;
   sim::Invariants invariants_;
   sim::GoalCounts goals_;

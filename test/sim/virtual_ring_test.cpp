@@ -152,5 +152,14 @@ TEST(VirtualRing, ACpuTakesEachPacketInTheInstantItIsIn) {
   EXPECT_EQ(late, 0u);
 }
 
+TEST(VirtualRing, ANodeWithAFastClockKeepsShorterTimes) {
+  core::Settings right;
+  core::Settings fast = right;
+  let_drift(fast, 100'000);
+  EXPECT_EQ(fast.beacon, right.beacon * 10 / 11);
+  EXPECT_EQ(fast.send_timeout(), right.send_timeout() * 10 / 11);
+  EXPECT_EQ(fast.relay_delay, right.relay_delay) << "lines have no clock";
+}
+
 }  // namespace
 }  // namespace limb_ring::sim

@@ -32,6 +32,7 @@ struct SoakOptions {
   bool hashes = false;
   bool list_goals = false, require_goals = false;
   bool seek_unmet = false;
+  unsigned drift = 0;               ///< ppm
   std::vector<std::size_t> sought;  ///< places in sim::goals(); seeds take them in turn
   app::Format format = app::Format::text;
 };
@@ -151,6 +152,7 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, c
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
          (options.all_fold_back ? " --redundancy foldback" : "") +
          (world == study::WorldKind::usual ? "" : std::string(" --world ") + kWorlds[static_cast<std::size_t>(world)]) +
+         (options.drift == 0 ? "" : " --drift " + std::to_string(options.drift)) +
          (sought == nullptr ? "" : std::string(" --seek ") + sought->name) + "\n";
 }
 
@@ -215,7 +217,7 @@ class Soak {
     seeking_.learn(tally_, seed);
     const sim::Goal* goal = seeking_.goal_of(seed);
     study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some, world_for(goal, options_),
-                               goal);
+                               {goal, options_.drift});
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
     if (options_.shrink_into) faults.keep_history();
@@ -293,6 +295,10 @@ void add_world(CLI::App& command, SoakOptions& options) {
           "line ends that notice late, several faults within one lap; storms: 3 to 6 nodes that fold back, cut and "
           "mended again and again before such a series of faults")
       ->transform(cli::one_of({"usual", "wide", "parts", "storms"}));
+  command
+      .add_option("--drift", options.drift,
+                  "Each node's clock is up to so many millionths too fast or too slow, 0 to 100000; default 0")
+      ->transform(cli::whole(0, 100'000));
 }
 
 void add_shrink(CLI::App& command, SoakOptions& options) {
@@ -345,6 +351,8 @@ void check(const SoakOptions& options) {
     throw UsageError(
         "--shrink goes only with the usual world: a scenario has neither lines that differ nor sparse ids");
   if (options.seek_unmet && !options.sought.empty()) throw UsageError("--seek: either names of goals, or unmet");
+  if (options.shrink_into && options.drift != 0)
+    throw UsageError("--shrink: not of seeds whose clocks drift; leave --drift out");
   if (options.shrink_into && (options.seek_unmet || !options.sought.empty()))
     throw UsageError("--shrink: not of seeds that seek a goal; leave --seek out");
   if (options.list_goals && options.format != app::Format::text)
