@@ -8,6 +8,7 @@
 #include "config/load_ring.h"
 #include "config/quantity.h"
 #include "config/ring_config.h"
+#include "sim/goals.h"
 #include "sim/planned_ring.h"
 #include "sim/scenario_sections.h"
 #include "sim/soak_stage.h"
@@ -145,7 +146,7 @@ void refuse_ring(const Entry& file) {
 bool expects_something(const Scenario& scenario) {
   const auto waits = [](const Step& step) { return step.when.has_value(); };
   return scenario.world == World::soak || !scenario.always.empty() || !scenario.never.empty() ||
-         std::any_of(scenario.steps.begin(), scenario.steps.end(), waits);
+         !scenario.sometimes.empty() || std::any_of(scenario.steps.begin(), scenario.steps.end(), waits);
 }
 
 bool lasts(const Scenario& scenario) { return scenario.world == World::soak || !scenario.steps.empty(); }
@@ -196,6 +197,7 @@ namespace {
 constexpr std::size_t kMostSteps = 10000;
 constexpr const char* kTitleRule = "a line of 1 to 100 bytes, UTF-8 without control characters";
 constexpr const char* kLineRule = "two nodes of the ring, such as left_hip -> left_knee";
+constexpr const char* kGoalRule = "the name of a goal, as 'ring_sim soak --goals' lists them";
 constexpr config::TimeRange kTimes{0s, 3600s, 1ns};
 constexpr config::TimeRange kDelays{0s, 1s, 1ns};
 
@@ -218,6 +220,15 @@ Option<Scenario> conditions_option(const char* name, std::vector<Condition> Scen
               problems.gather([&] { (scenario.*member).push_back(read_condition(item)); });
             problems.refuse_all();
           }};
+}
+
+std::size_t read_goal(const Entry& entry) {
+  const std::string name = entry.text(kGoalRule);
+  if (const auto goal = sim::goal_named(name)) return *goal;
+  std::vector<std::string> names;
+  for (const sim::Goal& goal : sim::goals()) names.emplace_back(goal.name);
+  const std::string meant = config::closest(name, names);
+  entry.refuse_value(meant.empty() ? "is not a goal" : "is not a goal, did you mean '" + meant + "'?", kGoalRule);
 }
 
 void check_step(const Entry& entry, const Step& step) {
@@ -322,6 +333,11 @@ const Section<Scenario>& scenario_section() {
        }},
       conditions_option("always", &Scenario::always, "Conditions that hold at every moment."),
       conditions_option("never", &Scenario::never, "Conditions that never hold."),
+      {"sometimes", "[]", "a list of goals", "Situations that have been met at the end (docs/explanation/soak.md).",
+       [](const Entry& entry, Scenario& scenario) {
+         for (const Entry& item : entry.items("a list of goals", sim::goals().size()))
+           scenario.sometimes.push_back(read_goal(item));
+       }},
   };
   return section;
 }

@@ -164,6 +164,7 @@ struct Scenario {
   std::vector<NodeId> absent;                            ///< not there at the start
   std::vector<Step> steps;
   std::vector<Condition> always, never;  ///< from the start to the last step's end
+  std::vector<std::size_t> sometimes;    ///< goals that are met by its end, by their place in sim::goals()
 };
 
 /// Whether the scenario, or its world, says what has to be seen. Otherwise it could fail only by a broken promise of

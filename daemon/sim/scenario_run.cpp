@@ -74,6 +74,16 @@ class Run {
 
   void end() {
     if (const auto failure = stage_.end()) fail(failure->expected, failure->seen);
+    if (!scenario_.sometimes.empty()) judge_goals(stage_.goals_met());
+  }
+
+  void judge_goals(const std::vector<std::uint64_t>& met) {
+    for (const std::size_t place : scenario_.sometimes) {
+      const sim::Goal& goal = sim::goals()[place];
+      const std::string words = std::string("sometimes ") + goal.name + ": " + goal.sentence;
+      if (met[place] == 0) fail(words, "it did not happen");
+      if (met[place] != 0) log(words + ": " + std::to_string(met[place]) + (met[place] == 1 ? " time" : " times"));
+    }
   }
 
   void count_sends() {

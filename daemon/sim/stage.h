@@ -9,6 +9,7 @@
 #include "core/membership/membership.h"
 #include "core/time.h"
 #include "sim/cpus.h"
+#include "sim/goals.h"
 #include "sim/invariants.h"
 #include "sim/scenario.h"
 #include "sim/virtual_line_faults.h"
@@ -65,6 +66,8 @@ class Stage : public StageView {
   virtual std::optional<Failure> broken() const = 0;
   /// Unrequested events since the last call, for the report.
   virtual std::vector<Note> take_notes() { return {}; }
+  /// How often each goal was met so far, by place in sim::goals(). @pre the scenario has goals
+  virtual std::vector<std::uint64_t> goals_met() const { return {}; }
 
   /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
   virtual std::optional<Failure> apply(const Fault& fault) = 0;
@@ -94,6 +97,7 @@ class RingStage : public Stage {
   std::uint64_t counter(NodeId place, const std::string& name) const override;
   const Tally& tally(const std::string& send) const override { return senders_.tally(send); }
   nanoseconds allowed(const Limit& limit) const override { return limit.sim; }
+  std::vector<std::uint64_t> goals_met() const override { return goals_->met(); }
 
   core::Duration now() const override { return ring_.now() - start_; }
   bool exact() const override { return true; }
@@ -105,7 +109,9 @@ class RingStage : public Stage {
       : scenario_(scenario),
         ring_(ring),
         senders_(
-            ring, [this](NodeId id) { return cpu_sends(id); }, seed) {}
+            ring, [this](NodeId id) { return cpu_sends(id); }, seed) {
+    if (!scenario.sometimes.empty()) goals_.emplace(ring);
+  }
 
   const Scenario& scenario() const { return scenario_; }
   Senders& senders() { return senders_; }
@@ -130,6 +136,7 @@ class RingStage : public Stage {
   sim::VirtualRing& ring_;
   core::Time start_{};
   Senders senders_;
+  std::optional<sim::GoalCounts> goals_;  ///< only where somebody asks
 };
 
 /// A virtual ring as a stage whose CPUs are models, not programs: time goes on at once, and faults of lines and nodes
