@@ -35,6 +35,10 @@ class RandomFaults {
   /// @param asked_to_stop asked many times, whatever the ring is at
   /// @return false where it said so: then the run has not ended, and nothing was judged at its end
   bool run(std::function<bool()> asked_to_stop = [] { return false; });
+  /// Another future: from that instant on, which is not over, all is drawn by another seed. @pre the usual world
+  void draw_anew(core::Time from, std::uint64_t seed) {
+    ring_.at(from, [this, seed] { draws_ = Draws(seed); });
+  }
   /// The ring, for further observers before it runs.
   sim::VirtualRing& ring() { return ring_; }
   const std::optional<sim::Violation>& violation() const { return violation_; }

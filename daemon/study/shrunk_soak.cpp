@@ -184,11 +184,69 @@ bool fails_as(const std::string& text, const Unmet& wanted, bool ends_mended) {
   return run.unmet && alike(*run.unmet, wanted);
 }
 
+// ---- other futures --------------------------------------------------------------------------
+
+Unmet unmet_of(const sim::Violation& violation) { return {{}, to_string(violation.promise), violation.what()}; }
+
+class SeedStory final : public scenario::Story {
+ public:
+  SeedStory(std::unique_ptr<scenario::Story> told, const sim::Violation& violation, std::vector<RecordedStep> steps,
+            std::uint64_t seed, FoldingRings folding)
+      : told_(std::move(told)),
+        wanted_(unmet_of(violation)),
+        steps_(std::move(steps)),
+        seed_(seed),
+        folding_(folding) {}
+
+  std::size_t events() const override { return told_->events(); }
+  std::chrono::nanoseconds at(std::size_t event) const override { return told_->at(event); }
+  std::string words(std::size_t event) const override { return told_->words(event); }
+  bool fails(const std::vector<std::size_t>& events) override { return told_->fails(events); }
+  bool fails_swapped(const std::vector<std::size_t>& events, std::size_t one, std::size_t other) override {
+    return told_->fails_swapped(events, one, other);
+  }
+  bool fails_after(std::size_t events, unsigned future) override {
+    if (future <= 1) return told_->fails_after(events, future);
+    RandomFaults other(seed_, folding_);
+    other.draw_anew(end_of(events), future);
+    other.run();
+    return other.violation() && alike(unmet_of(*other.violation()), wanted_);
+  }
+
+ private:
+  core::Time end_of(std::size_t events) const {
+    core::Time end{};
+    for (std::size_t i = 0; i < events; ++i) end = std::max(end, steps_[i].at + core::Duration{1});
+    return end;
+  }
+
+  const std::unique_ptr<scenario::Story> told_;
+  const Unmet wanted_;
+  const std::vector<RecordedStep> steps_;
+  const std::uint64_t seed_;
+  const FoldingRings folding_;
+};
+
 }  // namespace
 
 bool is_small(const scenario::ScenarioSize& size) { return size.faults <= 3 && size.sends <= 10; }
 
 std::string scenario_of(const RandomFaults& run, std::uint64_t seed) { return history_of(run, seed).text(); }
+
+std::string scenario_of(const RandomFaults& run, std::uint64_t seed, const std::vector<std::size_t>& steps) {
+  History history = history_of(run, seed);
+  std::vector<RecordedStep> some;
+  for (const std::size_t step : steps) some.push_back(history.steps[step]);
+  history.steps = std::move(some);
+  return history.text();
+}
+
+std::unique_ptr<scenario::Story> story_of(const RandomFaults& run, std::uint64_t seed, FoldingRings folding) {
+  const History history = history_of(run, seed);
+  auto told = scenario::story_of(scenario::parse_scenario(history.text(), "soak"), seed);
+  if (!told || !run.violation()) return nullptr;
+  return std::make_unique<SeedStory>(std::move(told), *run.violation(), history.steps, seed, folding);
+}
 
 std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64_t seed,
                                             const std::function<void(std::size_t runs)>& tell) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "sim/scenario_cause.h"
 #include "sim/scenario_shrink.h"
 #include "study/random_faults.h"
 
@@ -18,6 +19,12 @@ bool is_small(const scenario::ScenarioSize& size);
 /// What a seed has done to its ring until a promise was broken, as a scenario of the soak's world: the same sends and
 /// faults at the same instants. @pre the run has kept its history, and broken a promise
 std::string scenario_of(const RandomFaults& run, std::uint64_t seed);
+/// The same with only these of its steps, by number in that scenario.
+std::string scenario_of(const RandomFaults& run, std::uint64_t seed, const std::vector<std::size_t>& steps);
+
+/// What a seed has done until a promise was broken, as a story whose cause can be looked for. In futures above 1 all is
+/// drawn by other seeds. @pre as scenario_of() @return nothing where the scenario does not fail as the seed did
+std::unique_ptr<scenario::Story> story_of(const RandomFaults& run, std::uint64_t seed, FoldingRings folding);
 
 /// scenario_of() made as small as possible: fewer steps first, then fewer nodes, then as scenario::shrink() does.
 /// @param tell called after each run, with their number; throws to end it all

@@ -116,8 +116,8 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   add_run(app, context);
   add_plan(app, context);
-  for (const auto add : {add_table, add_compare_traces, add_soak, add_explore}) add(app, context);
-  for (const char* name : {"table", "compare-traces", "soak", "explore"})
+  for (const auto add : {add_table, add_compare_traces, add_soak, add_cause, add_explore}) add(app, context);
+  for (const char* name : {"table", "compare-traces", "soak", "cause", "explore"})
     app.get_subcommand(name)->group("For those who change limb_ring");
   if (const auto end = cli::parse(app, argc, argv)) return *end;
   return act(context, argc, argv);

@@ -44,6 +44,7 @@ void add_seed(CLI::App& command, std::uint64_t& seed);
 void add_table(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_soak(CLI::App& app, Context& context);
+void add_cause(CLI::App& app, Context& context);
 void add_explore(CLI::App& app, Context& context);
 void add_compare_traces(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);

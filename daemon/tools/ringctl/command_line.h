@@ -62,6 +62,7 @@ void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
 void add_scenario_list(CLI::App& scenario, Context& context);    ///< below `scenario`
 void add_scenario_shrink(CLI::App& scenario, Context& context);  ///< below `scenario`
+void add_scenario_cause(CLI::App& scenario, Context& context);   ///< below `scenario`
 void add_hosts(CLI::App& app, Context& context);                 ///< key, launch
 void add_conform(CLI::App& app, Context& context);
 

@@ -301,6 +301,7 @@ void add_scenario(CLI::App& app, Context& context) {
                                   "ringctl scenario run walk.yaml");
   add_scenario_list(*scenario, context);
   add_scenario_shrink(*scenario, context);
+  add_scenario_cause(*scenario, context);
   add_run(*scenario, context);
 }
 

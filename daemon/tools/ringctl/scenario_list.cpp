@@ -8,6 +8,7 @@
 
 #include "node/program_stage.h"
 #include "sim/load_scenario.h"
+#include "sim/scenario_cause.h"
 #include "sim/scenario_report.h"
 #include "sim/scenario_shrink.h"
 #include "tools/common/command_line.h"
@@ -147,6 +148,40 @@ void add_scenario_shrink(CLI::App& scenario, Context& context) {
   command->add_option("FILE", options->request.path, "The scenario, YAML")->required();
   command->add_option("-o,--out", options->out, "Write the small one there instead of to standard output");
   command->add_option("--seed", options->request.seed, "Instead of the file's own")
+      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
+  command->callback([&context, options] {
+    if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
+    context.action = [options] { return run(*options); };
+  });
+}
+
+namespace {
+
+struct CauseOptions {
+  std::string path;
+  std::optional<std::uint64_t> seed;
+};
+
+int run(const CauseOptions& options) {
+  const auto scenario = scenario::load_scenario(options.path);
+  const auto story = scenario::story_of(scenario, options.seed.value_or(scenario.seed));
+  if (!story) throw NotDone(options.path + " is as expected under the virtual clock: there is nothing to find");
+  Progress progress;
+  const auto cause = scenario::cause_of(
+      *story, [&progress](std::size_t runs) { progress.tell("the cause: " + std::to_string(runs) + " runs"); });
+  std::cout << text_of(cause, *story);
+  return kDone;
+}
+
+}  // namespace
+
+void add_scenario_cause(CLI::App& scenario, Context& context) {
+  auto options = std::make_shared<CauseOptions>();
+  CLI::App* command = add_command(scenario, "cause", "Say which event makes a scenario fail, and what would save it",
+                                  "ringctl scenario cause walk.yaml",
+                                  "Uses the virtual clock. Ends with 1 if the scenario does not fail.");
+  command->add_option("FILE", options->path, "The scenario, YAML")->required();
+  command->add_option("--seed", options->seed, "Instead of the file's own")
       ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
   command->callback([&context, options] {
     if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
