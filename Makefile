@@ -15,7 +15,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build docs demo virtual-demo board-demo demo-hosts tests test test-quick soak goals mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
+.PHONY: help all build docs demo virtual-demo board-demo demo-hosts tests test test-quick soak goals campaign mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -81,6 +81,12 @@ soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 # In how many seeds each situation was met that a ring should be seen in; into docs/explanation/soak.md.
 goals: build ## In how many seeds each goal was met, into docs/explanation/soak.md (SEEDS=20000)
 	$(PYTHON) scripts/goals_table --seeds $(SEEDS) --programs $(BUILD)/devel/lib/limb_ring
+
+# All that looks for broken promises, in turns, with fresh seeds; goes on after an interruption.
+HOURS ?= 1
+campaign: build ## Soak, explore, chaos, and fuzz after `make fuzz`, in turns for hours; one page (HOURS=8)
+	$(PYTHON) scripts/campaign --hours $(HOURS) --folder $(BUILD)/campaign --programs $(BUILD)/devel/lib/limb_ring \
+	  $(if $(wildcard $(BUILD)-fuzz/tests),--fuzz $(BUILD)-fuzz)
 
 # Does a change of the core at a random place go unnoticed by the quick tests? By SEED (1), COUNT of them.
 mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)
