@@ -225,6 +225,7 @@ std::vector<std::string> not_with_programs(const Scenario& scenario) {
   if (scenario.boot_time != std::chrono::floor<milliseconds>(scenario.boot_time))
     reasons.push_back("boot_time: " + config::format_time(scenario.boot_time) +
                       ": of real programs it is whole milliseconds");
+  if (!scenario.clocks.empty()) reasons.emplace_back("clocks: real programs have the ring's clock");
   return reasons;
 }
 

@@ -198,6 +198,7 @@ constexpr std::size_t kMostSteps = 10000;
 constexpr const char* kTitleRule = "a line of 1 to 100 bytes, UTF-8 without control characters";
 constexpr const char* kLineRule = "two nodes of the ring, such as left_hip -> left_knee";
 constexpr const char* kGoalRule = "the name of a goal, as 'ring_sim soak --goals' lists them";
+constexpr config::IntegerRange kDrifts{-100'000, 100'000};
 constexpr config::TimeRange kTimes{0s, 3600s, 1ns};
 constexpr config::TimeRange kDelays{0s, 1s, 1ns};
 
@@ -220,6 +221,18 @@ Option<Scenario> conditions_option(const char* name, std::vector<Condition> Scen
               problems.gather([&] { (scenario.*member).push_back(read_condition(item)); });
             problems.refuse_all();
           }};
+}
+
+std::vector<int> read_clocks(const Entry& entry, const config::RingConfig& ring) {
+  std::vector<int> clocks(ring.nodes.size(), 0);
+  const auto& nodes = entry.document().nodes;
+  for (const config::Member& member : entry.members("a map of nodes and millionths, such as {node1: 200}")) {
+    const auto node = nodes.find(member.name);
+    if (node == nodes.end())
+      member.value.refuse("'" + member.name + "' is not a node of the ring", "a node of the ring");
+    clocks[node->second] = static_cast<int>(read_integer(member.value, kDrifts));
+  }
+  return clocks;
 }
 
 std::size_t read_goal(const Entry& entry) {
@@ -313,6 +326,11 @@ const Section<Scenario>& scenario_section() {
       config::time_option(
           "boot_time", &Scenario::boot_time, 0ns, 60s,
           "Time from the reset of a CPU to its first message, under the virtual clock. Live it is what it is."),
+      {"clocks", "{}", "a map of nodes and millionths, -100000 to 100000",
+       "Nodes whose clock is so many millionths too fast, or below 0 too slow: then the times that it keeps are "
+       "shorter, "
+       "or longer.",
+       [](const Entry& entry, Scenario& scenario) { scenario.clocks = read_clocks(entry, scenario.ring); }},
       {"absent", "[]", "a node or a list of nodes", "Nodes that are not there at the start.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.absent = read_nodes(entry);  // the others are counted by it

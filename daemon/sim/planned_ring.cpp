@@ -26,11 +26,12 @@ void adjust(const RingConfig& ring, core::Settings& settings) {
 
 }  // namespace
 
-std::unique_ptr<WatchedRing> planned_ring(const RingConfig& ring) {
+std::unique_ptr<WatchedRing> planned_ring(const RingConfig& ring, const std::vector<int>& drifts) {
   VirtualRingOptions options;
   options.nodes = static_cast<unsigned>(ring.nodes.size());
   options.keep_logs = false;
   options.adjust = [&ring](core::Settings& settings) { adjust(ring, settings); };
+  if (!drifts.empty()) options.drift = [drifts](NodeId place) { return drifts[place]; };
   return std::make_unique<WatchedRing>(options);
 }
 

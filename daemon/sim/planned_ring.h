@@ -25,7 +25,7 @@ bool assumes_lines(const config::RingConfig& ring);
 /// The ring of a file under a virtual clock: every core as setup::core_settings() has it, but for the ids,
 /// which are the places in ring order. Each line has its own rate and delay.
 /// @param ring every line has a rate; outlives the result
-std::unique_ptr<WatchedRing> planned_ring(const config::RingConfig& ring);
+std::unique_ptr<WatchedRing> planned_ring(const config::RingConfig& ring, const std::vector<int>& drifts = {});
 
 /// Where packets are captured: as they come into a node, so that what faults did to them shows; or as
 /// they go out of one as well, so that what they waited for shows.

@@ -161,6 +161,7 @@ struct Scenario {
   bool ends_mended = true;  ///< of the soak's world: it ends as SoakStage::end() says; false: with its last step
   std::uint64_t seed = 1;
   nanoseconds boot_time{std::chrono::milliseconds(20)};  ///< of a CPU, from a reset to its first word; not live
+  std::vector<int> clocks;                               ///< of each node, millionths too fast; empty: all are right
   std::vector<NodeId> absent;                            ///< not there at the start
   std::vector<Step> steps;
   std::vector<Condition> always, never;  ///< from the start to the last step's end

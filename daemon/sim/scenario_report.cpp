@@ -127,6 +127,7 @@ Reasons only_virtual(const Scenario& scenario, const std::string& transport) {
   Reasons reasons;
   if (scenario.only_sim) reasons.emplace_back("only: sim");
   if (scenario.world == World::soak) reasons.emplace_back("world: soak");
+  if (!scenario.clocks.empty()) reasons.emplace_back("clocks: live, all nodes of a host have its clock");
   if (!scenario.sometimes.empty()) reasons.emplace_back("sometimes: live, nobody sees every packet of every line");
   for (const Step& step : scenario.steps) judge(scenario, step, transport, reasons);
   for (const auto* conditions : {&scenario.always, &scenario.never})

@@ -24,6 +24,7 @@ std::unique_ptr<sim::VirtualRing> soak_ring(const Scenario& scenario) {
   options.adjust = [paced = link.rate != 0, fold_back](core::Settings& settings) {
     sim::set_short_times(settings, paced, fold_back);
   };
+  if (!scenario.clocks.empty()) options.drift = [&scenario](NodeId place) { return scenario.clocks[place]; };
   return std::make_unique<sim::VirtualRing>(options);
 }
 

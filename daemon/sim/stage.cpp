@@ -119,7 +119,7 @@ void ModelStage::bring_back(NodeId id) {
 using config::PinConfig;
 
 VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed)
-    : VirtualStage(scenario, seed, sim::planned_ring(scenario.ring)) {}
+    : VirtualStage(scenario, seed, sim::planned_ring(scenario.ring, scenario.clocks)) {}
 
 VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed, std::unique_ptr<sim::WatchedRing> ring)
     : ModelStage(scenario, *ring, seed),

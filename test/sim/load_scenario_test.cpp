@@ -37,6 +37,14 @@ TEST(LoadScenario, LiveRunsHaveMoreTimeWhereTheFileGivesOne) {
   EXPECT_EQ(within("{sim: 0s}").live, kLiveGuard);
 }
 
+TEST(LoadScenario, ClocksAreOfNodesAndWithinATenth) {
+  EXPECT_EQ(parse_scenario(four_nodes("clocks: {node1: 200, node3: -70}\nsteps: [{at: 1ms}]\n"), "t").clocks,
+            (std::vector<int>{0, 200, 0, -70}));
+  EXPECT_THAT(refusal_of(four_nodes("clocks: {node7: 200}\nsteps: [{at: 1ms}]\n")),
+              HasSubstr("'node7' is not a node of the ring"));
+  EXPECT_THAT(refusal_of(four_nodes("clocks: {node1: 200000}\nsteps: [{at: 1ms}]\n")), HasSubstr("-100000 to 100000"));
+}
+
 TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
   EXPECT_THAT(refusal_of(four_nodes("steps:\n  - {do: {kil: node1}}\n")),
               AllOf(StartsWith("test.yaml:4:11: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),
