@@ -167,7 +167,7 @@ template <class T>
 constexpr std::size_t kFieldSize = sizeof(T);
 #define LIMB_RING_FIELD_SIZE(type, ...) +kFieldSize<type>
 template <>
-constexpr std::size_t kFieldSize<ClockLatch> = 0 LIMB_RING_CLOCK_LATCH(LIMB_RING_FIELD_SIZE);
+inline constexpr std::size_t kFieldSize<ClockLatch> = 0 LIMB_RING_CLOCK_LATCH(LIMB_RING_FIELD_SIZE);
 
 /// A hello and a beacon have one byte more, which says which of them it is.
 constexpr std::size_t kHelloSize = 1 LIMB_RING_HELLO(LIMB_RING_FIELD_SIZE);

@@ -65,7 +65,7 @@ class Tools(RingTest):
                 try:
                     port.ask({'do': name})
                 except HostPortError as error:  # says what is missing, or on which ring it can be done
-                    self.assertRegex(str(error), 'missing|allowed|virtual|alone|no pin')
+                    self.assertRegex(str(error), 'missing|allowed|virtual|may say|no pin')
 
     def test_client_that_leaves_takes_its_sends_along(self):
         nodes = plain_nodes(2)
