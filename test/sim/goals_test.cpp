@@ -70,15 +70,15 @@ INSTANTIATE_TEST_SUITE_P(
         GoalCase{"thaw_after_a_start",
                  step("2ms", "freeze: node1") + step("3ms", "power_cycle: node3") + step("4ms", "thaw: node1"),
                  step("2ms", "freeze: node1") + step("4ms", "thaw: node1") + step("5ms", "power_cycle: node3")},
-        GoalCase{"retry_meets_a_restarted_receiver", kGoalLostSend + step("52us", "power_cycle: node2"),
-                 kGoalLostSend + step("52us", "power_cycle: node3")},
-        GoalCase{"fold_while_joining",
-                 step("1ms", "power_cycle: node3") + step("1001us", "cable: {cut: node0 -> node1}"),
-                 step("1ms", "power_cycle: node3") + step("9ms", "cable: {cut: node0 -> node1}"), kGoalFoldBack},
+        GoalCase{"retry_meets_a_reset_cpu", kGoalLostSend + step("52us", "reset: node2"),
+                 kGoalLostSend + step("52us", "reset: node3")},
+        GoalCase{"two_breaks", kGoalCut + step("2ms", "wire: {cut: node2 -> node3}"),
+                 kGoalCut + step("1ms", "wire: {mend: node0 -> node1}") + step("2ms", "wire: {cut: node2 -> node3}")},
         GoalCase{"fold_node_killed", kGoalFold + step("5ms", "kill: node0"), kGoalFold + step("5ms", "kill: node2"),
                  kGoalFoldBack},
         GoalCase{"home_on_the_second_line", kGoalFold + step("5ms", kGoalSend), step("5ms", kGoalSend), kGoalFoldBack},
-        GoalCase{"duplicate", step("50us", "slice: {lost: node2 -> node3}") + step("50us", kGoalSend), kGoalLostSend}),
+        GoalCase{"duplicate", step("50us", "drop: {line: node2 -> node3, packets: 2}") + step("50us", kGoalSend),
+                 kGoalLostSend}),
     [](const auto& made) { return std::string(made.param.goal); });
 
 TEST(Goals, AreCountedInTheReport) {
