@@ -90,7 +90,7 @@ class Recovery(unittest.TestCase):
         self.ring.status.wait(lambda s: not s.stopped, 'the ring to be stopped no more')
         answer = service('resume', Resume)(node='waist')
         self.assertFalse(answer.success)
-        self.assertIn('none is stopped', answer.message)
+        self.assertIn('is not stopped', answer.message)
 
     def a_command_is_not_obeyed_and_counted(self):
         before = self.ring.node('left_knee').commands_not_obeyed
