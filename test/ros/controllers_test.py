@@ -84,7 +84,7 @@ class Controllers(unittest.TestCase):
         begin = heard.count()
         wait_for(lambda: heard.count() > begin + 100, 'time that goes on without it')
         knee.send_signal(signal.SIGCONT)
-        heard.wait_said('/knee_controller sends leg/commands again')
+        heard.wait_said('/knee_controller publishes leg/commands again')
         self.await_goals(heard)
 
         # One that leaves is seen at once.
@@ -93,7 +93,7 @@ class Controllers(unittest.TestCase):
         begin = heard.count()
         wait_for(lambda: heard.count() > begin + 100, 'time that goes on without it')
         self.start('elbow')
-        heard.wait_said('/elbow_controller sends arm_commands again')
+        heard.wait_said('/elbow_controller publishes arm_commands again')
         self.await_goals(heard)
 
 
