@@ -194,9 +194,9 @@ class Look {
   using Keep = std::function<void(const Rows& rows)>;
 
   /// @param keep given the rows of each status, before that is told
-  Look(const RingAccess& ring, Tell tell, Keep keep)
+  Look(const RingAccess& ring, Tell to, Keep keep)
       : ring_(ring),
-        tell_(std::move(tell)),
+        tell_(std::move(to)),
         keep_(std::move(keep)),
         poll_(
             ring, [this](std::size_t node) { return order(node); },
@@ -338,10 +338,10 @@ void ViewedRing::look(bool somebody) {
   changed_.notify_all();
 }
 
-void ViewedRing::put(const std::string& event, std::string json) {
+void ViewedRing::put(const std::string& event, std::string text) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (told_.size() < kNotTaken)
-    told_.emplace_back(event, std::move(json));
+    told_.emplace_back(event, std::move(text));
   else
     ++left_out_;
   ::eventfd_write(told_fd_.get(), 1);

@@ -48,7 +48,7 @@ class ViewedRing {
 
  private:
   /// From the thread that asks.
-  void put(const std::string& event, std::string json);
+  void put(const std::string& event, std::string text);
   void run();
   void look_on();
   bool wait_for_somebody();
