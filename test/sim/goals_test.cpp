@@ -76,9 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
                  kGoalCut + step("1ms", "wire: {mend: node0 -> node1}") + step("2ms", "wire: {cut: node2 -> node3}")},
         GoalCase{"fold_node_killed", kGoalFold + step("5ms", "kill: node0"), kGoalFold + step("5ms", "kill: node2"),
                  kGoalFoldBack},
-        GoalCase{"home_on_the_second_line", kGoalFold + step("5ms", kGoalSend), step("5ms", kGoalSend), kGoalFoldBack},
-        GoalCase{"duplicate", step("50us", "drop: {line: node2 -> node3, packets: 2}") + step("50us", kGoalSend),
-                 kGoalLostSend}),
+        GoalCase{"home_on_the_second_line", kGoalFold + step("5ms", kGoalSend), step("5ms", kGoalSend), kGoalFoldBack}),
     [](const auto& made) { return std::string(made.param.goal); });
 
 TEST(Goals, AreCountedInTheReport) {
