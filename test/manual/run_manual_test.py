@@ -44,6 +44,7 @@ class RunManual(unittest.TestCase):
 
     def test_times_and_pids_may_differ_and_counts_may_not(self):
         self.passes('```console\n$ echo "back after 12.5 ms, pid 7"\nback after 3 us, pid 4711\n```\n')
+        self.passes('```console\n$ echo "0  body  0   3741"\n0  body  0  121.3\n```\n')
         self.fails('```console\n$ echo "8 of 8 nodes"\n7 of 8 nodes\n```\n', '-7 of 8 nodes')
 
     def test_three_dots_stand_for_any_lines(self):

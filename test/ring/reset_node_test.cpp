@@ -68,6 +68,7 @@ TEST(ResetSeen, NotAtTheFirstOfAnOpenChainAndThenWhatElseResetsIt) {
 TEST(Reset, OfANodeWithoutCpuIsKnownByItsRowOrItsBeacon) {
   const auto own = [](const char* state) { return node_row({{"id", 12}, {"cpu", {{"state", state}}}}); };
   NodeRow heard = heard_by(13, 1, 20);
+  heard.heard[0].beacon.cpu_state = wire::CpuState::running;
   EXPECT_TRUE(has_no_cpu({{12, own("none")}}, 12));
   EXPECT_FALSE(has_no_cpu({{12, own("absent")}}, 12));
   EXPECT_FALSE(has_no_cpu({{13, heard}}, 12));

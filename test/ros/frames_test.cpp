@@ -145,7 +145,7 @@ TEST_F(Frames, AreRefusedForWrongParametersWithWhatWouldBeRight) {
   EXPECT_THAT(refusal(wrong), HasSubstr("1 to 1000000"));
   wrong = XmlRpcValue();
   wrong["colour"] = "red";
-  EXPECT_THAT(refusal(wrong), HasSubstr("~frames/colour: there is none"));
+  EXPECT_THAT(refusal(wrong), HasSubstr("parameter ~frames/colour does not exist"));
   EXPECT_THAT(refusal(XmlRpcValue(7)), HasSubstr("must be a map"));
 }
 
