@@ -31,7 +31,7 @@ BUILD_TARGET = $(WITH_ROS) cmake --build $(BUILD) -j$(JOBS) --target
 
 build: deps $(BUILD)/CMakeCache.txt ## Builds all programs
 	$(BUILD_TARGET) all
-	@echo "Built. The programs are in $(BUILD)/devel/lib/limb_ring; '. $(BUILD)/devel/setup.bash' finds them."
+	@echo "Built. In each terminal: . $(BUILD)/devel/setup.bash; export PATH=\$$PWD/$(BUILD)/devel/lib/limb_ring:\$$PATH"
 
 demo: deps $(BUILD)/CMakeCache.txt ## Builds what it needs; a humanoid walks, hangs and is reset (DURATION=20)
 	$(BUILD_TARGET) demo_programs
