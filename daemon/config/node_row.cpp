@@ -159,7 +159,7 @@ Wrong take_state(const json& from, State last, State& to) {
       to = static_cast<State>(i);
       return {};
     }
-  return {"", from.is_string() ? "no state that a beacon tells" : "not a string"};
+  return {"", from.is_string() ? "not a state that a beacon tells" : "not a string"};
 }
 Wrong take(const json& from, wire::CpuState& to) { return take_state(from, wire::CpuState::failed, to); }
 Wrong take(const json& from, wire::LinkState& to) { return take_state(from, wire::LinkState::folded, to); }

@@ -99,7 +99,7 @@ struct RequestKind {
 /// @return that of an object's `do`; null where there is no such request
 const RequestKind* find_request_kind(const nlohmann::json& request);
 
-/// Answers a request about the clock of a virtual ring. @return false if this kind is none
+/// Answers a request about the clock of a virtual ring. @return false if it is about something else
 /// @param clock null on a live ring @throw RequestError
 bool answer_clock_request(ClockControl* clock, const RequestKind& kind, const nlohmann::json& request,
                           const Answer& answer);

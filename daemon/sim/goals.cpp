@@ -662,11 +662,10 @@ void GoalCounts::incident(NodeId node, Incident incident, Time now, Line line) {
     case Incident::cut:
       see_cut(node, line, now);
       break;
-    case Incident::healed: {
+    case Incident::healed:
       see(On::healed, node, now);
       n.cut[static_cast<std::size_t>(line)] = false;
       break;
-    }
     case Incident::output_replaced:
       see(On::replaced, node, now);
       break;

@@ -35,7 +35,8 @@ struct VirtualRingOptions {
   std::function<void(core::Settings&)> adjust = [](core::Settings&) {};
 };
 
-/// All times that a node with these settings keeps, by a clock that is so many millionths too fast.
+/// Scales all times that a node with these settings keeps: its clock is wrong.
+/// @param ppm by how many millionths it is too fast; below 0 too slow
 void let_drift(core::Settings& settings, int ppm);
 
 /// What one node was given: its events and packets, in order.

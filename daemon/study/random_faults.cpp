@@ -44,7 +44,6 @@ RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, 
       drifts_(drifts_of(seed, more.drift)),
       ring_(ring_options()),
       invariants_(ring_),
-      goals_(ring_),
       lines_(ring_, seed),
       history_(ring_),
       killed_(ring_.size(), false) {

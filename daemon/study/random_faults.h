@@ -24,7 +24,7 @@ class RandomFaults {
   /// What a seed has besides; without it, it gives the run that it always gave.
   struct More {
     const sim::Goal* sought = nullptr;  ///< its strikes are drawn on purpose now and then
-    unsigned drift = 0;                 ///< of each node's clock, up to so many millionths, too fast or too slow
+    unsigned drift = 0;                 ///< most millionths by which a node's clock is too fast or too slow
   };
   /// @pre the world can meet what is sought
   RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, const More& more);
@@ -56,8 +56,10 @@ class RandomFaults {
   const std::array<unsigned, wire::kOutcomes>& ended() const { return ended_; }
   unsigned nodes() const { return world_.nodes; }
   std::uint64_t hops() const;
-  /// How often each goal was met, by place in sim::goals().
-  std::vector<std::uint64_t> goals_met() const { return goals_.met(); }
+  /// To be called before run().
+  void count_goals() { goals_.emplace(ring_); }
+  /// How often each goal was met, by place in sim::goals(). @pre they are counted
+  std::vector<std::uint64_t> goals_met() const { return goals_->met(); }
 
  private:
   wire::NodeId random_node() { return world_.order[draws_.below(world_.nodes)]; }
@@ -113,7 +115,7 @@ class RandomFaults {
   const std::vector<int> drifts_;  ///< by id; empty: all clocks are right
   sim::VirtualRing ring_;
   sim::Invariants invariants_;
-  sim::GoalCounts goals_;
+  std::optional<sim::GoalCounts> goals_;  ///< only where somebody asks
   sim::VirtualLineFaults lines_;
   SoakHistory history_;
   bool quiet_ = false;

@@ -103,6 +103,12 @@ struct History {
   core::Time until;  ///< then all is mended
   std::vector<RecordedStep> steps;
 
+  /// Leaves out all other steps.
+  void keep(const std::vector<std::size_t>& wanted) {
+    std::vector<RecordedStep> kept;
+    for (const std::size_t step : wanted) kept.push_back(steps[step]);
+    steps = std::move(kept);
+  }
   std::string text() const {
     std::string text = head_of(nodes, paced, fold_back, seed) + "\n";
     Words words(nodes);
@@ -235,9 +241,7 @@ std::string scenario_of(const RandomFaults& run, std::uint64_t seed) { return hi
 
 std::string scenario_of(const RandomFaults& run, std::uint64_t seed, const std::vector<std::size_t>& steps) {
   History history = history_of(run, seed);
-  std::vector<RecordedStep> some;
-  for (const std::size_t step : steps) some.push_back(history.steps[step]);
-  history.steps = std::move(some);
+  history.keep(steps);
   return history.text();
 }
 
@@ -263,9 +267,7 @@ std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64
   };
   const auto needed = scenario::needed_steps(history.steps.size(), request.most_runs, fails_alike);
   const bool stopped = runs > request.most_runs;
-  std::vector<RecordedStep> steps;
-  for (const std::size_t step : needed) steps.push_back(history.steps[step]);
-  history.steps = std::move(steps);
+  history.keep(needed);
   for (unsigned nodes = history.fold_back ? 3 : 2; nodes < history.nodes; ++nodes) {
     const auto fewer = among(history, nodes);
     if (!fewer) continue;

@@ -238,6 +238,7 @@ std::pair<unsigned, unsigned> met_of_20(const char* name, RandomFaults::World wo
     unsigned seeds = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       RandomFaults run(seed, RandomFaults::FoldBack::all, world, {sought, 0});
+      run.count_goals();
       run.run();
       EXPECT_EQ(in_words(run), "") << "seed " << seed << ", " << name;
       seeds += run.goals_met()[place] != 0 ? 1 : 0;
@@ -270,6 +271,8 @@ TEST(Goals, OfTheSameSeedAndWhatItSeeksAreTheSame) {
   const sim::Goal& goal = sim::goals()[*sim::goal_named("cut_off")];
   RandomFaults first(7, RandomFaults::FoldBack::some, RandomFaults::World::usual, {&goal, 0});
   RandomFaults second(7, RandomFaults::FoldBack::some, RandomFaults::World::usual, {&goal, 0});
+  first.count_goals();
+  second.count_goals();
   first.run();
   second.run();
   EXPECT_EQ(first.goals_met(), second.goals_met());

@@ -10,6 +10,7 @@
 
 #include "config/quantity.h"
 #include "io/program.h"
+#include "tools/common/command_line.h"
 
 namespace limb_ring::app {
 namespace {
@@ -76,6 +77,13 @@ std::string open_for_writing(std::ofstream& file, const std::string& path) {
   if (const std::string problem = why_no_file(path); !problem.empty()) return problem;
   file.open(path, std::ios::binary);
   return file ? "" : cannot_be_written(path, errno);
+}
+
+std::string write_file(const std::string& path, const std::string& text) {
+  std::ofstream file;
+  if (const std::string problem = open_for_writing(file, path); !problem.empty()) return problem;
+  file << text;
+  return cli::finish_writing(file, path);
 }
 
 std::string make_output_folder(const std::string& folder) {

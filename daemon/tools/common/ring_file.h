@@ -23,7 +23,11 @@ std::string why_no_file(const std::string& path);
 /// refused: callers whose report goes elsewhere then take it before.
 std::string open_for_writing(std::ofstream& file, const std::string& path);
 
-/// The same without touching the file: for what is written only at the end, and perhaps not at all.
+/// Writes a whole file. @return what is wrong; empty where all of it is written
+std::string write_file(const std::string& path, const std::string& text);
+
+/// What open_for_writing() would return, without touching the file: for what is written only at the end, and perhaps
+/// not at all.
 std::string why_not_writable(const std::string& path);
 
 /// Makes the folder, with those above it, where it is not there.

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -22,10 +21,7 @@ struct CauseOptions {
 void write_needed(const study::RandomFaults& run, const CauseOptions& options, const scenario::Cause& cause) {
   std::vector<std::size_t> events;
   for (const scenario::Cause::Needed& needed : cause.needed) events.push_back(needed.event);
-  std::ofstream out;
-  std::string problem = app::open_for_writing(out, options.out);
-  out << study::scenario_of(run, options.seed, events);
-  if (problem.empty()) problem = cli::finish_writing(out, options.out);
+  const std::string problem = app::write_file(options.out, study::scenario_of(run, options.seed, events));
   if (!problem.empty()) throw UsageError("--out: " + problem);
   std::cout << "These events alone: ringctl scenario run " << app::shell_word(options.out) << '\n';
 }
@@ -64,14 +60,7 @@ void add_cause(CLI::App& app, Context& context) {
   command->add_option("SEED", options->seed, "The seed, above 0")
       ->required()
       ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
-  command
-      ->add_option_function<std::string>(
-          "--redundancy",
-          [options](const std::string& what) {
-            if (what == "foldback") options->folding = study::FoldingRings::all;
-          },
-          "mixed (default) or foldback, as of ring_sim soak")
-      ->transform(cli::one_of({"mixed", "foldback"}));
+  add_folding(*command, options->folding, "mixed (default) or foldback, as of ring_sim soak");
   command->add_option("-o,--out", options->out, "Write the story with the needed events alone there, as a scenario");
   command->callback([&context, options] { context.action = [options] { return find_cause(*options); }; });
 }

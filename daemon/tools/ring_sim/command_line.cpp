@@ -67,6 +67,17 @@ void add_lines(CLI::App& command, study::Medium& medium) {
   add("--relay-delay", "TIME", "Relay delay d of every node, with a unit; default 512ns", read_delay);
 }
 
+void add_folding(CLI::App& command, study::FoldingRings& folding, const std::string& help) {
+  command
+      .add_option_function<std::string>(
+          "--redundancy",
+          [&folding](const std::string& what) {
+            folding = what == "foldback" ? study::FoldingRings::all : study::FoldingRings::some;
+          },
+          help)
+      ->transform(cli::one_of({"mixed", "foldback"}));
+}
+
 void add_seed(CLI::App& command, std::uint64_t& seed) {
   command.add_option("--seed", seed, "Seed of everything random, from 0; default 1")
       ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "study/model_ring.h"
+#include "study/soak_world.h"
 #include "tools/common/text_table.h"
 
 namespace limb_ring::ring_sim {
@@ -36,6 +37,9 @@ void add_format(CLI::App& command, app::Format& format);
 void add_medium(CLI::App& command, study::Medium& medium);
 /// Adds --rate and --relay-delay alone.
 void add_lines(CLI::App& command, study::Medium& medium);
+
+/// Adds --redundancy, of rings that are drawn by seed: mixed or foldback. @param help of that option
+void add_folding(CLI::App& command, study::FoldingRings& folding, const std::string& help);
 
 /// Adds --seed, of everything random; 1 where it is not given.
 void add_seed(CLI::App& command, std::uint64_t& seed);

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -25,7 +24,7 @@ namespace {
 struct SoakOptions {
   std::uint64_t seeds = 1000;
   std::uint64_t first = 0;  ///< drawn where it is not given: ranges that were run before find less
-  bool all_fold_back = false;
+  study::FoldingRings folding = study::FoldingRings::some;
   study::WorldKind world = study::WorldKind::usual;
   std::uint64_t failures = 1;
   std::optional<std::string> shrink_into;  ///< folder
@@ -75,6 +74,10 @@ struct Tally {
 bool can_meet(study::WorldKind world, const sim::Goal& goal) {
   return static_cast<int>(world) >= static_cast<int>(goal.world);
 }
+
+static_assert(static_cast<int>(sim::NeedsWorld::usual) == static_cast<int>(study::WorldKind::usual) &&
+              static_cast<int>(sim::NeedsWorld::wide) == static_cast<int>(study::WorldKind::wide) &&
+              static_cast<int>(sim::NeedsWorld::parts) == static_cast<int>(study::WorldKind::parts));
 
 /// The world that is asked for, or the least that can meet the goal.
 study::WorldKind world_for(const sim::Goal* goal, const SoakOptions& options) {
@@ -150,7 +153,7 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, c
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
          "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
-         (options.all_fold_back ? " --redundancy foldback" : "") +
+         (options.folding == study::FoldingRings::all ? " --redundancy foldback" : "") +
          (world == study::WorldKind::usual ? "" : std::string(" --world ") + kWorlds[static_cast<std::size_t>(world)]) +
          (options.drift == 0 ? "" : " --drift " + std::to_string(options.drift)) +
          (sought == nullptr ? "" : std::string(" --seek ") + sought->name) + "\n";
@@ -167,11 +170,8 @@ bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
     return true;
   }
   const std::string path = (std::filesystem::path(folder) / ("soak-" + std::to_string(seed) + ".yaml")).string();
-  std::ofstream out;
-  std::string problem = app::open_for_writing(out, path);
-  out << shrunk->text;
-  if (problem.empty()) problem = cli::finish_writing(out, path);
-  if (!problem.empty()) throw UsageError("--shrink: " + problem);
+  if (const std::string problem = app::write_file(path, shrunk->text); !problem.empty())
+    throw UsageError("--shrink: " + problem);
   std::cerr << in_words(shrunk->before) << " before, " << in_words(shrunk->after) << " now; " << shrunk->runs
             << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "")
             << "\nthe smallest scenario: ringctl scenario run " << app::shell_word(path) << "\n";
@@ -213,11 +213,10 @@ class Soak {
 
   /// @return false where enough are broken
   bool run_seed(std::uint64_t seed) {
-    using FoldBack = study::RandomFaults::FoldBack;
     seeking_.learn(tally_, seed);
     const sim::Goal* goal = seeking_.goal_of(seed);
-    study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some, world_for(goal, options_),
-                               {goal, options_.drift});
+    study::RandomFaults faults(seed, options_.folding, world_for(goal, options_), {goal, options_.drift});
+    faults.count_goals();
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
     if (options_.shrink_into) faults.keep_history();
@@ -279,11 +278,7 @@ void add_seeds(CLI::App& command, SoakOptions& options) {
 }
 
 void add_world(CLI::App& command, SoakOptions& options) {
-  command
-      .add_option_function<std::string>(
-          "--redundancy", [&options](const std::string& what) { options.all_fold_back = what == "foldback"; },
-          "mixed: a third of the rings folds back (default); foldback: all of them")
-      ->transform(cli::one_of({"mixed", "foldback"}));
+  add_folding(command, options.folding, "mixed: a third of the rings folds back (default); foldback: all of them");
   command
       .add_option_function<std::string>(
           "--world",
@@ -297,7 +292,7 @@ void add_world(CLI::App& command, SoakOptions& options) {
       ->transform(cli::one_of({"usual", "wide", "parts", "storms"}));
   command
       .add_option("--drift", options.drift,
-                  "Each node's clock is up to so many millionths too fast or too slow, 0 to 100000; default 0")
+                  "Each node's clock is up to N millionths too fast or too slow, 0 to 100000; default 0")
       ->transform(cli::whole(0, 100'000));
 }
 

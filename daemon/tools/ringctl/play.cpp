@@ -8,7 +8,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <optional>
 
@@ -50,10 +49,7 @@ YAML::Node story_cpu() {
 void write(const YAML::Node& file, const std::string& path) {
   YAML::Emitter text;
   text << file;
-  std::ofstream out;
-  std::string problem = app::open_for_writing(out, path);
-  out << text.c_str() << '\n';
-  if (problem.empty()) problem = cli::finish_writing(out, path);
+  const std::string problem = app::write_file(path, std::string(text.c_str()) + '\n');
   if (!problem.empty()) throw NotDone(problem);
 }
 

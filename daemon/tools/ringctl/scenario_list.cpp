@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -94,7 +93,23 @@ void add_scenario_list(CLI::App& scenario, Context& context) {
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
+// ---- searches in a scenario that fails ------------------------------------------------------
+
 namespace {
+
+[[noreturn]] void nothing_to_find(const std::string& path) {
+  throw NotDone(path + " is as expected under the virtual clock: there is nothing to find");
+}
+
+/// Adds --seed, and what the command does.
+void add_search(CLI::App& command, Context& context, std::optional<std::uint64_t>& seed, std::function<int()> search) {
+  command.add_option("--seed", seed, "Instead of the file's own")
+      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
+  command.callback([&context, search = std::move(search)] {
+    if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
+    context.action = search;
+  });
+}
 
 struct ShrinkOptions {
   scenario::ShrinkRequest request;
@@ -106,10 +121,7 @@ void write(const std::string& text, const std::string& path) {
     std::cout << text;
     return;
   }
-  std::ofstream out;
-  std::string problem = app::open_for_writing(out, path);
-  out << text;
-  if (problem.empty()) problem = cli::finish_writing(out, path);
+  const std::string problem = app::write_file(path, text);
   if (!problem.empty()) throw NotDone(problem);
 }
 
@@ -129,8 +141,7 @@ int run(ShrinkOptions& options) {
     progress.tell("the smallest scenario: " + std::to_string(runs) + " tried");
   };
   const auto shrunk = scenario::shrink(options.request);
-  if (!shrunk)
-    throw NotDone(options.request.path + " is as expected under the virtual clock: there is nothing to find");
+  if (!shrunk) nothing_to_find(options.request.path);
   write(shrunk->text, options.out);
   std::cerr << text_of(shrunk->run) << "\n"
             << in_words(shrunk->before) << " before, " << in_words(shrunk->after) << " now; " << shrunk->runs
@@ -147,12 +158,7 @@ void add_scenario_shrink(CLI::App& scenario, Context& context) {
                                   "Uses the virtual clock. Ends with 1 if the scenario does not fail.");
   command->add_option("FILE", options->request.path, "The scenario, YAML")->required();
   command->add_option("-o,--out", options->out, "Write the small one there instead of to standard output");
-  command->add_option("--seed", options->request.seed, "Instead of the file's own")
-      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
-  command->callback([&context, options] {
-    if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
-    context.action = [options] { return run(*options); };
-  });
+  add_search(*command, context, options->request.seed, [options] { return run(*options); });
 }
 
 namespace {
@@ -165,7 +171,7 @@ struct CauseOptions {
 int run(const CauseOptions& options) {
   const auto scenario = scenario::load_scenario(options.path);
   const auto story = scenario::story_of(scenario, options.seed.value_or(scenario.seed));
-  if (!story) throw NotDone(options.path + " is as expected under the virtual clock: there is nothing to find");
+  if (!story) nothing_to_find(options.path);
   Progress progress;
   const auto cause = scenario::cause_of(
       *story, [&progress](std::size_t runs) { progress.tell("the cause: " + std::to_string(runs) + " runs"); });
@@ -181,12 +187,7 @@ void add_scenario_cause(CLI::App& scenario, Context& context) {
                                   "ringctl scenario cause walk.yaml",
                                   "Uses the virtual clock. Ends with 1 if the scenario does not fail.");
   command->add_option("FILE", options->path, "The scenario, YAML")->required();
-  command->add_option("--seed", options->seed, "Instead of the file's own")
-      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
-  command->callback([&context, options] {
-    if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
-    context.action = [options] { return run(*options); };
-  });
+  add_search(*command, context, options->seed, [options] { return run(*options); });
 }
 
 }  // namespace limb_ring::ringctl
