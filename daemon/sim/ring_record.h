@@ -42,11 +42,10 @@ struct NodeRecord {
         "lines_crossed_at", lines_crossed_at);
   }
 
-  /// A line has come up or gone, or seems so by a fold word, where the ring folds back: a joining node may say another
-  /// hello, and one that is starting may start over, which it does not show.
+  /// A line has come up or gone, or seems so by a fold word: a node that is starting may start over, which it does not
+  /// show; where the ring folds back, a joining node may say another hello.
   void line_may_have_changed() {
-    if (!settings.fold_back) return;
-    control.may_be_dropped = true;
+    if (settings.fold_back) control.may_be_dropped = true;
     if (history.state == core::NodeState::starting) receiver.may_start_over();
   }
   /// Its hello has begun to leave since it began: in an open chain it has joined by that. (protocol.md section 4.8)

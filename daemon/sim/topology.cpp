@@ -261,11 +261,13 @@ void VirtualRing::pause(NodeId id) {
   tell(id, Incident::late_slice);
 }
 
-// What has waited is late, as from a line that held it back.
+// What has waited is late, as from a line that held it back. What the node has noticed of its lines meanwhile comes
+// first.
 void VirtualRing::resume(NodeId id) {
   if (!paused(id)) return;
   nodes_[id].paused = false;
   tell(id, Incident::resumed);
+  if (nodes_[id].guest == nullptr && nodes_[id].controller->has_output(now_)) give_out(id);
   std::vector<DelayLine::Arrival> waiting;
   waiting.swap(nodes_[id].waiting);
   for (const DelayLine::Arrival& arrival : waiting) deliver(arrival);
