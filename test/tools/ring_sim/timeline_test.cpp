@@ -48,7 +48,9 @@ TEST_F(Timeline, SlicesOfATrackLieBesideOrInsideEachOther) {
     const double begin = event.at("ts"), end = begin + event.at("dur").get<double>();
     auto& around = open[event.at("tid")];
     while (!around.empty() && around.back().second <= begin + 1e-6) around.pop_back();
-    if (!around.empty()) EXPECT_LE(end, around.back().second + 1e-6) << event;
+    if (!around.empty()) {
+      EXPECT_LE(end, around.back().second + 1e-6) << event;
+    }
     around.emplace_back(begin, end);
     ++slices;
   }
