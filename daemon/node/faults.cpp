@@ -200,7 +200,7 @@ namespace {
 /// Signals take effect in an instant.
 constexpr std::chrono::milliseconds kPatience{10'000};
 /// What a reset may take beside the boot: the old process has to go, and an owner to start the new one.
-constexpr std::chrono::milliseconds kUntilStarted{5'000};
+constexpr std::chrono::milliseconds kUntilStarted{20'000};
 
 }  // namespace
 

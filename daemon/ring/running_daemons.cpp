@@ -37,8 +37,8 @@ constexpr milliseconds kStep{5};
 constexpr milliseconds kSignalled{5'000};  ///< for a signal to take effect
 /// A fault may wait for a process to stop, and for lines.
 constexpr milliseconds kAnswer{15'000};
-/// The same beside the time in which a CPU has to boot.
-constexpr milliseconds kReset{10'000};
+/// For a reset, beside the time in which a CPU has to boot. The daemon itself gives up after 20 s.
+constexpr milliseconds kReset{30'000};
 
 bool wait_for(const std::function<bool()>& condition, milliseconds patience) {
   const auto deadline = steady_clock::now() + patience;
@@ -121,7 +121,7 @@ json RunningDaemons::ask(wire::NodeId id, const json& request) const {
 json RunningDaemons::ask_for_boot(wire::NodeId id, const json& request) const {
   HostPort port = connect(id);
   const json config = ask_through(port, {{"do", "config"}}, kAnswer);
-  const milliseconds cpu_boot(config.value("cpu_boot_ms", (kAnswer - kReset).count()));  // none: an older daemon's
+  const milliseconds cpu_boot(config.at("cpu_boot_ms").get<milliseconds::rep>());
   return ask_through(port, request, cpu_boot + kReset);
 }
 
