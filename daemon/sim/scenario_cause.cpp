@@ -13,8 +13,8 @@ namespace {
 /// A scenario whose steps can be left out. A step that waits for something goes on waiting.
 class ScenarioStory final : public Story {
  public:
-  ScenarioStory(const Scenario& scenario, std::uint64_t seed, const Unmet& unmet)
-      : whole_(scenario), seed_(seed), unmet_(unmet) {
+  ScenarioStory(const Scenario& scenario, std::uint64_t seed, const Unmet& unmet, Runner run)
+      : whole_(scenario), seed_(seed), unmet_(unmet), run_(std::move(run)) {
     for (std::size_t i = 0; i < whole_.steps.size(); ++i)
       if (!std::holds_alternative<std::monostate>(whole_.steps[i].action)) events_.push_back(i);
     find_times();
@@ -88,13 +88,14 @@ class ScenarioStory final : public Story {
     steps.push_back(end);
   }
   bool fails_alike(const Scenario& scenario) const {
-    const ScenarioRun run = run_scenario(scenario, seed_);
+    const ScenarioRun run = run_(scenario, seed_, nullptr);
     return run.unmet && alike(*run.unmet, unmet_);
   }
 
   const Scenario whole_;
   const std::uint64_t seed_;
   const Unmet unmet_;
+  const Runner run_;
   std::vector<std::size_t> events_;  ///< their steps
   std::vector<nanoseconds> times_;   ///< of the events
   bool fails_before_end_ = false;    ///< in the soak's world; its end takes most of the time
@@ -186,10 +187,16 @@ std::string needed_text(const Cause& cause, const Story& story) {
 
 }  // namespace
 
-std::unique_ptr<Story> story_of(const Scenario& scenario, std::uint64_t seed) {
-  const ScenarioRun run = run_scenario(scenario, seed);
-  if (!run.unmet) return nullptr;
-  return std::make_unique<ScenarioStory>(scenario, seed, *run.unmet);
+Runner simulated() {
+  return [](const Scenario& scenario, std::uint64_t seed, std::ostream* capture) {
+    return run_scenario(scenario, seed, capture);
+  };
+}
+
+std::unique_ptr<Story> story_of(const Scenario& scenario, std::uint64_t seed, Runner run) {
+  const ScenarioRun first = run(scenario, seed, nullptr);
+  if (!first.unmet) return nullptr;
+  return std::make_unique<ScenarioStory>(scenario, seed, *first.unmet, std::move(run));
 }
 
 Cause cause_of(Story& story, const std::function<void(std::size_t runs)>& tell) { return Search(story, tell).run(); }

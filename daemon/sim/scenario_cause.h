@@ -29,9 +29,12 @@ class Story {
   virtual bool fails_after(std::size_t events, unsigned future) = 0;
 };
 
+/// run_scenario() under a virtual clock, with models of CPUs.
+Runner simulated();
+
 /// A failing scenario as a story. In a future above 1 each later event is left out with a probability of one half.
-/// @param scenario is copied @return nothing if it does not fail
-std::unique_ptr<Story> story_of(const Scenario& scenario, std::uint64_t seed);
+/// @param scenario is copied @param run runs it, and each part of it @return nothing if it does not fail
+std::unique_ptr<Story> story_of(const Scenario& scenario, std::uint64_t seed, Runner run = simulated());
 
 /// Why a story fails. (ours, after Zeller's delta debugging; and after the bisection over futures of Antithesis)
 struct Cause {

@@ -57,6 +57,9 @@ ScenarioRun run_scenario(
     const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr,
     sim::CaptureAt at = sim::CaptureAt::inputs, const std::function<void()>& goes_on = [] {});
 
+/// Runs it once: as above, or with real programs. @param capture as above
+using Runner = std::function<ScenarioRun(const Scenario& scenario, std::uint64_t seed, std::ostream* capture)>;
+
 /// Plays it on a stage that has not begun. @param seed the stage's, for the report
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);
 

@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 
 import ring_process
 from ring_process import ScenarioTest
@@ -308,6 +309,58 @@ steps:
         done = self.ctl('scenario', 'run', '--scenario-cpus', file)
         self.assertEqual(done.returncode, 2)
         self.assertIn('--virtual', done.stderr)
+
+    # ---- causes -----------------------------------------------------------------------------
+
+    RACE = '''import os
+import sys
+sys.path[:0] = %r
+from limb_ring import HostPort, Packet
+FIRST, SECOND, WINDOW = %d, %d, %r
+with HostPort.connect(role='cpu') as port:
+    first_at = None
+    while True:
+        packet = port.receive(0.05)
+        if not isinstance(packet, Packet):
+            continue
+        if packet.source == SECOND and first_at is not None and port.now() - first_at < WINDOW:
+            os._exit(3)   # the planted race
+        if packet.source == FIRST:
+            first_at = port.now()
+'''
+
+    def race(self, first, second, apart):
+        """A story of ten sends to `two` and two faults; its firmware ends if it hears `second` within 5 ms after `first`,
+        and one pair of the sends is `apart` ms from each other."""
+        nodes = ring_process.plain_nodes(4)
+        numbers = {node['name']: node['id'] for node in nodes}
+        firmware = self.write('race.py', self.RACE % (sys.path, numbers[first], numbers[second], 0.005))
+        nodes[2]['cpu'] = {'command': [sys.executable, firmware], 'turnaround': '100us'}
+        steps = [(20 + 20 * i, ('node0', 'node1', 'node3')[i % 3]) for i in range(8)] + [(200, first), (200 + apart, second)]
+        text = 'steps:\n' + ''.join('  - at: %gms\n    do: {send: {name: s%d, from: %s, to: node2, size: 8}}\n'
+                                   % (at, i, source) for i, (at, source) in enumerate(sorted(steps)))
+        text += '  - at: 210ms\n    do: {drop: node0 -> node1 packets=1 for=5ms}\n  - at: 300ms\n'
+        return self.scenario(text + 'never: [{cpu: node2, is: failed}]\n', nodes)
+
+    def test_the_cause_of_a_race_in_firmware_is_the_planted_pair(self):
+        file, page = self.race('node3', 'node0', 3), os.path.join(self.folder, 'cause.html')
+        done = self.ctl('scenario', 'cause', '--virtual', file, '--html', page)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        needed = re.findall(r'^  event (\d+), at (\S+): (.*)', done.stdout, re.M)
+        self.assertEqual([(at, re.search('from: (\\w+)', words).group(1)) for _, at, words in needed],
+                         [('200ms', 'node3'), ('203ms', 'node0')], done.stdout)
+        self.assertRegex(done.stdout, r'From event %s, at 203ms: .*\n      every future of 12 fails' % needed[1][0])
+        self.assertIn('If events %s and %s change places, it does not fail.' % (needed[0][0], needed[1][0]), done.stdout)
+        with open(page) as file:
+            text = file.read()
+        for number, _, words in needed:
+            self.assertIn('needed: ' + words.replace('&', '&amp;').replace('>', '&gt;'), text)
+        self.assertEqual(os.listdir(self.temporary), [], 'nothing is left')
+
+    def test_a_story_that_holds_has_no_cause(self):
+        done = self.ctl('scenario', 'cause', '--virtual', self.race('node3', 'node0', 6))
+        self.assertEqual((done.returncode, done.stdout), (1, ''), done.stderr)
+        self.assertIn('there is nothing to find', done.stderr)
 
     def test_a_program_that_is_not_there_is_told_before_anything_starts(self):
         file = self.scenario(NOTHING, self.own('no_such_cpu'))

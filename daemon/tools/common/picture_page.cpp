@@ -196,7 +196,7 @@ std::string state_bar(const std::string& name, const Span& span, double from, do
 }  // namespace
 
 std::string states_picture(const capture::RingNames& names, const std::vector<capture::CapturedEvent>& events,
-                           nanoseconds lasted) {
+                           nanoseconds lasted, const std::vector<TimeMark>& times) {
   const double whole = std::max(1e-6, ms(lasted)), height = kRow * static_cast<double>(names.nodes.size());
   const auto x = [&](nanoseconds at) { return kNames + kTimes * std::clamp(ms(at) / whole, 0.0, 1.0); };
   std::map<wire::NodeId, double> rows;
@@ -221,18 +221,23 @@ std::string states_picture(const capture::RingNames& names, const std::vector<ca
   for (const auto& [node, of_node] : spans)
     for (const Span& span : of_node)
       if (span.ends > span.begins) parts += state_bar(names.of(node), span, x(span.begins), x(span.ends), rows[node]);
-  return svg(kNames + kTimes + kEnd, height + kBelow, "Nodes by state", parts + marks);
+  for (const TimeMark& mark : times)
+    marks += "<g><title>" + xml_text(mark.words) + "</title>" + upright("bound", x(mark.at), height) +
+             text("axis limit", x(mark.at), height + kBelow + 10, mark.label) + "</g>";
+  const double labels = times.empty() ? 0 : 16;
+  return svg(kNames + kTimes + kEnd, height + kBelow + labels, "Nodes by state", parts + marks);
 }
 
 void write_states(std::ostream& out, const std::string& title, std::istream& capture, const std::string& report,
-                  nanoseconds lasted) {
+                  nanoseconds lasted, const std::vector<TimeMark>& marks) {
   capture::PcapngReader reader(capture, title);
   std::vector<capture::CapturedEvent> events;
   while (const auto record = reader.next())
     if (const auto* event = std::get_if<capture::CapturedEvent>(&*record)) events.push_back(*event);
-  out << head(title)
-      << "<p>Each row is a node, with its states; a diamond is something else that happened to it. Point at "
-      << "either for its time.</p>\n<figure>" << states_picture(reader.names(), events, lasted) << "</figure>\n<pre>"
+  out << head(title) << "<p>Each row is a node, with its states; a diamond is something else that happened to it"
+      << (marks.empty() ? ". Point at either"
+                        : "; a dashed line is an event that the cause names. Point at any of them")
+      << " for its time.</p>\n<figure>" << states_picture(reader.names(), events, lasted, marks) << "</figure>\n<pre>"
       << xml_text(report) << "</pre>\n</body></html>\n";
 }
 

@@ -25,14 +25,20 @@ struct StreamLatencies {
 void write_latencies(std::ostream& out, const std::string& title, const std::string& words,
                      const std::vector<StreamLatencies>& streams);
 
+/// A line across all rows of a picture, with a short label below them.
+struct TimeMark {
+  std::chrono::nanoseconds at;
+  std::string label, words;
+};
+
 /// A row for each node of a capture: its states as bars with their words, and what else happened to it as marks.
 /// @param events as sim::RingCapture writes them: "joining -> up", "killed". @param lasted so long, from 0
 /// @return SVG, for a page with the colours of web/style.css
 std::string states_picture(const capture::RingNames& names, const std::vector<capture::CapturedEvent>& events,
-                           std::chrono::nanoseconds lasted);
+                           std::chrono::nanoseconds lasted, const std::vector<TimeMark>& marks = {});
 
 /// The same for a capture as a page. @param report in plain text, below it. @throw capture::CaptureFileError
 void write_states(std::ostream& out, const std::string& title, std::istream& capture, const std::string& report,
-                  std::chrono::nanoseconds lasted);
+                  std::chrono::nanoseconds lasted, const std::vector<TimeMark>& marks = {});
 
 }  // namespace limb_ring::app

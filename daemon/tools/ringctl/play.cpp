@@ -73,6 +73,10 @@ RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::strin
 
 }  // namespace
 
+void throw_if_interrupted(const process::SignalWait& signals) {
+  if (signals.was_asked_to_end()) throw Interrupted();
+}
+
 scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed, const std::string& transport,
                                 process::SignalWait& signals) {
   const live::PrivateFolder folder;

@@ -33,6 +33,9 @@ void require_virtual(const scenario::Scenario& scenario, const VirtualPlay& play
 scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint64_t seed, const VirtualPlay& play,
                                    const process::SignalWait& signals);
 
+/// Of Ctrl-C, which is held back so that what was found is reported. @throw Interrupted
+void throw_if_interrupted(const process::SignalWait& signals);
+
 /// Path of scenario_cpu, the CPU of a node in a scenario with processes. @throw NotDone where it is not installed
 std::string scenario_cpu();
 

@@ -152,11 +152,6 @@ std::string verdict_of(const std::vector<ScenarioRun>& runs) {
   return all + (count == 0 ? "all as expected" : std::to_string(count) + " not as expected:" + unmet);
 }
 
-/// Of Ctrl-C, which is held back so that what was found is reported.
-void throw_if_interrupted(const process::SignalWait& signals) {
-  if (signals.was_asked_to_end()) throw Interrupted();
-}
-
 ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::ostream* capture,
                  std::string& log_problem, process::SignalWait& signals) {
   const std::uint64_t seed = options.seed.value_or(scenario.seed);

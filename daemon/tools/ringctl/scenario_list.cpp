@@ -1,19 +1,24 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <sstream>
 
+#include "io/signal_wait.h"
 #include "node/program_stage.h"
 #include "sim/load_scenario.h"
 #include "sim/scenario_cause.h"
 #include "sim/scenario_report.h"
 #include "sim/scenario_shrink.h"
 #include "tools/common/command_line.h"
+#include "tools/common/picture_page.h"
 #include "tools/common/ring_file.h"
 #include "tools/common/text_table.h"
 #include "tools/ringctl/command_line.h"
+#include "tools/ringctl/play.h"
 #include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {
@@ -164,18 +169,62 @@ void add_scenario_shrink(CLI::App& scenario, Context& context) {
 namespace {
 
 struct CauseOptions {
-  std::string path;
+  std::string path, html;
   std::optional<std::uint64_t> seed;
+  bool with_programs = false;
 };
+
+/// Runs as asked for, until Ctrl-C. @param not_repeatable gets why another run of the same may differ
+scenario::Runner runner_of(const CauseOptions& options, const process::SignalWait& signals,
+                           std::string& not_repeatable) {
+  return [&options, &signals, &not_repeatable](const scenario::Scenario& scenario, std::uint64_t seed,
+                                               std::ostream* capture) {
+    throw_if_interrupted(signals);
+    if (!options.with_programs) return scenario::run_scenario(scenario, seed, capture);
+    VirtualPlay play;
+    play.capture = capture;
+    scenario::ScenarioRun run = play_virtual(scenario, seed, play, signals);
+    if (not_repeatable.empty()) not_repeatable = run.trace->not_repeatable;
+    return run;
+  };
+}
+
+std::vector<app::TimeMark> marks_of(const scenario::Cause& cause, const scenario::Story& story) {
+  std::vector<app::TimeMark> marks;
+  const auto add = [&](std::size_t event, const std::string& why) {
+    marks.push_back({story.at(event), std::to_string(event + 1), why + ": " + story.words(event)});
+  };
+  for (const auto& needed : cause.needed) add(needed.event, "needed");
+  if (cause.sealed_by) add(*cause.sealed_by, "from here on every future fails");
+  return marks;
+}
 
 int run(const CauseOptions& options) {
   const auto scenario = scenario::load_scenario(options.path);
-  const auto story = scenario::story_of(scenario, options.seed.value_or(scenario.seed));
+  if (options.with_programs) require_virtual(scenario, {});
+  std::ofstream html;
+  std::string problem = options.html.empty() ? "" : app::open_for_writing(html, options.html);
+  if (!problem.empty()) throw UsageError("--html " + problem);
+  const std::uint64_t seed = options.seed.value_or(scenario.seed);
+  std::string not_repeatable;
+  const process::SignalWait signals;
+  const scenario::Runner runner = runner_of(options, signals, not_repeatable);
+  const auto story = scenario::story_of(scenario, seed, runner);
   if (!story) nothing_to_find(options.path);
   Progress progress;
   const auto cause = scenario::cause_of(
       *story, [&progress](std::size_t runs) { progress.tell("the cause: " + std::to_string(runs) + " runs"); });
-  std::cout << text_of(cause, *story);
+  std::string text = text_of(cause, *story);
+  if (!not_repeatable.empty())
+    text += "Another search may find another cause: not repeatable: " + not_repeatable + '\n';
+  std::cout << text;
+  if (options.html.empty()) return kDone;
+  std::stringstream captured;
+  const scenario::ScenarioRun whole = runner(scenario, seed, &captured);
+  app::write_states(html, scenario.name, captured, text + '\n' + text_of(whole) + '\n', whole.lasted,
+                    marks_of(cause, *story));
+  problem = cli::finish_writing(html, options.html);
+  if (!problem.empty()) throw NotDone(problem);
   return kDone;
 }
 
@@ -184,9 +233,13 @@ int run(const CauseOptions& options) {
 void add_scenario_cause(CLI::App& scenario, Context& context) {
   auto options = std::make_shared<CauseOptions>();
   CLI::App* command = add_command(scenario, "cause", "Say which event makes a scenario fail, and what would save it",
-                                  "ringctl scenario cause walk.yaml",
-                                  "Uses the virtual clock. Ends with 1 if the scenario does not fail.");
+                                  "ringctl scenario cause walk.yaml --virtual",
+                                  "Under the virtual clock. Ends with 1 if the scenario does not fail.");
   command->add_option("FILE", options->path, "The scenario, YAML")->required();
+  command->add_flag("--virtual", options->with_programs,
+                    "With the programs of the ring's file as CPUs; default: with models of CPUs");
+  command->add_option("--html", options->html,
+                      "Write a page there: the states of each node over time, the events that count, and the cause");
   add_search(*command, context, options->seed, [options] { return run(*options); });
 }
 
