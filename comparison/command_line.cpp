@@ -3,7 +3,7 @@
 #include <iostream>
 #include <optional>
 
-#include "comparison/plots/plots.h"
+#include "comparison/plots.h"
 #include "comparison/report.h"
 #include "tools/common/command_line.h"
 #include "tools/ring_sim/command_line.h"

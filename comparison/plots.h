@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "comparison/plots/picture.h"
+#include "comparison/pictures.h"
 
 namespace limb_ring::comparison {
 

@@ -1,6 +1,7 @@
-#include "comparison/plots/plots.h"
+#include "comparison/plots.h"
 
 #include <sys/mman.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -16,7 +17,6 @@
 #include "tools/ring_sim/command_line.h"
 
 namespace limb_ring::comparison {
-
 namespace {
 
 constexpr std::chrono::seconds kLimit{60};  // a picture takes a second on an idle machine
