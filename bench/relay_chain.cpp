@@ -12,7 +12,6 @@
 #include <stdexcept>
 #include <thread>
 
-#include "bench/cores.h"
 #include "bench/private_ring.h"
 #include "bench/setup.h"
 #include "bench/system_costs.h"

@@ -13,8 +13,8 @@
 #include <system_error>
 #include <thread>
 
-#include "bench/cores.h"
-#include "bench/cpu_to_cpu.h"
+#include "bench/private_ring.h"
+#include "bench/ring_traffic.h"
 #include "bench/setup.h"
 #include "config/load_ring.h"
 #include "io/unique_fd.h"
