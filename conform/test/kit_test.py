@@ -39,7 +39,7 @@ class Kit(unittest.TestCase):
     def test_the_right_node_passes_all(self):
         self.assertNotIn('failed', self.kit('--library', self.right, '--profile', 'full', '--strict'))
 
-    def test_there_are_at_least_120_cases_and_each_cites_a_section_that_is_there(self):
+    def test_there_are_at_least_120_cases_and_each_cites_an_existing_section(self):
         with open(os.path.join(nodes.ROOT, 'docs', 'protocol.md'), encoding='utf-8') as page:
             there = set(re.findall(r'^#{2,4} (\d+(?:\.\d+)*)\.? ', page.read(), re.M))
         numbers = re.findall(r'^(\d+\.\d+)-\d+ ', self.kit('--list'), re.M)
@@ -56,7 +56,7 @@ class Kit(unittest.TestCase):
         self.assertIn('1 cases', self.kit('--library', self.right, '--only', '2.2-1'))
         self.assertRegex(self.kit('--library', self.right, '--only', '4.10'), r'^3\d cases')
 
-    def test_a_case_that_does_not_exist_is_said(self):
+    def test_a_case_that_does_not_exist_is_reported(self):
         self.assertIn('no case of 99; --list prints all', self.kit('--library', self.right, '--only', '99', code=2))
 
     def test_known_failures_do_not_count(self):
@@ -66,7 +66,7 @@ class Kit(unittest.TestCase):
         out = self.kit('--library', self.wrong, '--expect', known)
         self.assertIn('2.2-1 is known to fail: HOP is on our list', out)
 
-    def test_a_known_failure_of_no_case_is_said(self):
+    def test_a_known_failure_of_an_unknown_case_is_reported(self):
         known = self.path('bad.yaml')
         with open(known, 'w', encoding='utf-8') as out:
             out.write('2.2-999: it is not there\n')
@@ -88,10 +88,10 @@ class Kit(unittest.TestCase):
     def test_a_node_must_be_named(self):
         self.assertIn('say which node', self.kit(code=2))
 
-    def test_a_program_that_is_not_there_is_said(self):
+    def test_a_program_that_is_not_there_is_reported(self):
         self.assertIn('/no/such/node: No such file or directory', self.kit('--', '/no/such/node', code=2))
 
-    def test_a_program_that_ends_is_no_node(self):
+    def test_a_program_that_ends_is_not_a_node(self):
         self.assertIn('the program has ended, with 1', self.kit('--', 'false', code=3))
 
 

@@ -9,14 +9,14 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Arguments, WithinTheirRangesAreNoProblem) {
+TEST(Arguments, WithinTheirRangesAreAccepted) {
   EXPECT_FALSE(send_problem(1, 0, 0));
   EXPECT_FALSE(send_problem(512, 3, 63));
   EXPECT_FALSE(interrupt_problem(7));
   EXPECT_FALSE(pull_problem(7));
 }
 
-TEST(Arguments, OutsideSayWhatIsAllowed) {
+TEST(Arguments, OutsideTheirRangesSayWhatIsAllowed) {
   EXPECT_EQ(send_problem(0, 0, 0)->text, "size 0: a packet carries 1 to 512 bytes");
   EXPECT_EQ(send_problem(513, 0, 0)->text, "size 513: a packet carries 1 to 512 bytes");
   EXPECT_EQ(send_problem(1, 4, 0)->text, "priority 4: priorities are 0 (highest) to 3");
@@ -26,7 +26,7 @@ TEST(Arguments, OutsideSayWhatIsAllowed) {
   EXPECT_EQ(pull_problem(8)->text, "input 8: this interrupt input is wired to nothing");
 }
 
-TEST(Arguments, OutsideSayWhyForPrograms) {
+TEST(Arguments, OutsideTheirRangesHaveAReasonForPrograms) {
   EXPECT_EQ(send_problem(0, 0, 0)->why, Reason::bad_size);
   EXPECT_EQ(send_problem(1, 4, 0)->why, Reason::bad_priority);
   EXPECT_EQ(send_problem(1, 0, 1)->why, Reason::bad_channel);
@@ -46,14 +46,14 @@ TEST(Reasons, EveryOneHasAWordOfItsOwnAndASentence) {
 
 std::string nested(std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); }
 
-TEST(Arguments, JsonMayBeNestedSoDeepAndNoDeeper) {
+TEST(Arguments, JsonMayBeNestedUpToALimit) {
   EXPECT_FALSE(json_problem(nested(kMostJsonLevels)));
   EXPECT_EQ(json_problem(nested(kMostJsonLevels + 1)),
             "JSON: lists and objects are nested too deep; allowed: 32 levels");
   EXPECT_TRUE(json_problem(std::string(60000, '{')));
 }
 
-TEST(Arguments, BracketsSideBySideOrInTextsAreNoLevels) {
+TEST(Arguments, BracketsSideBySideOrInStringsAreNotLevels) {
   std::string beside, within = "\"";
   for (int i = 0; i < 100; ++i) beside += "[],", within += "[{";
   EXPECT_FALSE(json_problem(beside));

@@ -57,7 +57,7 @@ TEST(CommandSetFormat, SaysToEachNodeWhatWasWrittenForIt) {
   EXPECT_FALSE(set->to(4)) << "it is not in the set";
 }
 
-TEST(CommandSetFormat, TheSizeOfAPartIsKnownBefore) {
+TEST(CommandSetFormat, TheSizeOfAPartIsKnownBeforeItIsWritten) {
   const CommandSet set = two_nodes();
   EXPECT_EQ(encode(set)->size(), kCommandSetHeader + encoded_size(set.parts[0]) + encoded_size(set.parts[1]));
 }
@@ -88,7 +88,7 @@ TEST(CommandSetFormat, RefusesANodeThatIsThereTwice) {
   EXPECT_EQ(decode_command_set(view(bytes)).error(), DecodeError::bad_field);
 }
 
-TEST(CommandSetFormat, FlagsValuesItHadToCut) {
+TEST(CommandSetFormat, FlagsValuesThatItHadToClamp) {
   CommandSet set = two_nodes();
   set.parts[0].joints[0].position = -5000;
   const auto read = decode_command_set(view(*encode(set)));

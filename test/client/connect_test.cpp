@@ -39,7 +39,7 @@ TEST_F(Connect, SaysWhereItLookedWhenNoDaemonIsThere) {
                  AllOf(HasSubstr(folder.path() + "/limb_ring/r/3.host"), HasSubstr("is ringd running")));
 }
 
-TEST_F(Connect, NamesTheNodesThatAreHereWhereItWasAskedForAnother) {
+TEST_F(Connect, NamesTheNodesOfThisHostIfAskedForAnother) {
   test::FakeDaemon twelfth("r", "12"), third;
   const std::string in_ring = folder.path() + "/limb_ring/r/";
   ASSERT_EQ(symlink("3.host", (in_ring + "left_knee.host").c_str()), 0);
@@ -90,7 +90,7 @@ TEST_F(Connect, TakesTheRingOfTheEnvironment) {
   EXPECT_EQ(port.get().id(), 3);
 }
 
-TEST_F(Connect, NamesTheRingsWhereSeveralRun) {
+TEST_F(Connect, NamesTheRingsIfSeveralRun) {
   test::FakeDaemon one("one"), two("two");
   EXPECT_EQ(running_rings(), (std::vector<std::string>{"one", "two"}));
   expect_refusal(options("", "3"), HasSubstr("one, two"));
@@ -113,7 +113,7 @@ TEST_F(Connect, GoesOnTryingWhileTheDaemonIsNotThere) {
   EXPECT_EQ(port.get().ring(), "r");
 }
 
-TEST_F(Connect, TriesAgainWhereTheDaemonEndsBeforeItsAnswer) {
+TEST_F(Connect, TriesAgainIfTheDaemonEndsBeforeItsAnswer) {
   ConnectOptions patient = options("r", "3");
   patient.timeout = seconds{60};
   test::FakeDaemon daemon;

@@ -101,7 +101,7 @@ TEST(AnnouncementFormat, HasTheseBytesAndReadsBack) {
   expect_every_truncation_is_refused(*bytes, decode_announcement);
 }
 
-TEST(AnnouncementFormat, RefusesATypeThatIsNoneOrAny) {
+TEST(AnnouncementFormat, RefusesAnEmptyTypeAndAWildcard) {
   for (const Announcement& announcement : {Announcement{"a", "", "md5", "x"}, Announcement{"a", "*", "md5", "x"},
                                            Announcement{"a", "b/C", "", "x"}, Announcement{"a", "b/C", "*", "x"}}) {
     const auto decoded = decode_announcement(view(*encode(announcement)));

@@ -28,7 +28,7 @@ TEST(Frame, IsIncompleteUntilItsLastByte) {
   EXPECT_EQ(as_text(whole.frame.body), "body");
 }
 
-TEST(Frame, OfSizeZeroOrTooLargeIsMalformedBeforeItsBodyIsThere) {
+TEST(Frame, OfSizeZeroOrTooLargeIsMalformedBeforeItsBodyHasArrived) {
   const Bytes none{0, 0, 0, 0};
   const Bytes large{0, 0, 0, 101};
   const Bytes largest{0, 0, 0, 100};
@@ -37,7 +37,7 @@ TEST(Frame, OfSizeZeroOrTooLargeIsMalformedBeforeItsBodyIsThere) {
   EXPECT_EQ(parse_frame(view(largest), 100).status, FrameParse::Status::incomplete);
 }
 
-TEST(FieldReader, SaysWhetherAllWasThereAndNothingLeftOver) {
+TEST(FieldReader, SaysWhetherAllFieldsWereThereAndNothingIsLeft) {
   const Bytes body{1, 2, 3};
   FieldReader exact(view(body));
   exact.u8();

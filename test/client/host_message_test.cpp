@@ -71,7 +71,7 @@ TEST(HostMessage, GreetingComesThrough) {
   EXPECT_FALSE(read.asks_only);
 }
 
-TEST(HostMessage, GreetingOfWhoOnlyAsksComesThrough) {
+TEST(HostMessage, GreetingOfAClientThatOnlyAsksComesThrough) {
   Greeting greeting;
   greeting.asks_only = true;
   EXPECT_TRUE(to_daemon<Greeting>(encoded(greeting)).asks_only);
@@ -175,7 +175,7 @@ TEST(HostMessage, TheRestOfWhatClientsGetComesThrough) {
   EXPECT_EQ(to_client<ObservedLost>(encoded(ObservedLost{1ull << 40})).count, 1ull << 40);
 }
 
-TEST(HostMessage, ValuesThatAFieldMayNotHaveAreNoMessage) {
+TEST(HostMessage, AMessageWithInvalidFieldValuesIsNotRead) {
   Bytes role = encoded(some_greeting());
   role[kFrameHeaderSize + 6] = 2;
   EXPECT_FALSE(decode_to_daemon(only_frame(role)));
@@ -194,7 +194,7 @@ TEST(HostMessage, ValuesThatAFieldMayNotHaveAreNoMessage) {
   EXPECT_FALSE(decode_to_client(only_frame(priority)));
 }
 
-TEST(HostMessage, MessagesOfTheOtherDirectionAreNone) {
+TEST(HostMessage, MessagesOfTheOtherDirectionAreNotRead) {
   EXPECT_FALSE(decode_to_client(only_frame(encoded(PullRequest{1, 2}))));
   EXPECT_FALSE(decode_to_daemon(only_frame(encoded(Welcome{1, "a", "b"}))));
 }
@@ -216,7 +216,7 @@ std::vector<std::pair<Bytes, std::size_t>> messages_and_fixed_sizes() {
           {encoded(ObservedLost{1}), 8}};
 }
 
-TEST(HostMessage, CutWithinItsFixedFieldsIsNoMessage) {
+TEST(HostMessage, AMessageCutWithinItsFixedFieldsIsNotRead) {
   for (const auto& [bytes, fixed] : messages_and_fixed_sizes()) {
     const Frame whole = only_frame(bytes);
     for (std::size_t size = 0; size <= whole.body.size; ++size) {
@@ -263,7 +263,7 @@ TEST(HostMessage, CapturedPacketComesThrough) {
   EXPECT_EQ(read.bytes, kData);
 }
 
-TEST(HostMessage, CapturedPacketWithoutAHeaderIsNone) {
+TEST(HostMessage, CapturedPacketWithoutAHeaderIsNotRead) {
   CapturedView sent;
   sent.packet.bytes = kDataView.first(3);
   EXPECT_FALSE(decode_to_client(only_frame(encoded(sent))));
@@ -277,7 +277,7 @@ TEST(HostMessage, CaptureCountsComeThrough) {
   EXPECT_EQ(read.given, 11u);
 }
 
-TEST(HostMessage, JsonOfADaemonThatIsNestedTooDeepIsNone) {
+TEST(HostMessage, JsonOfADaemonThatIsNestedTooDeeplyIsNotRead) {
   const std::string deep(60000, '[');
   EXPECT_FALSE(decode_to_client(only_frame(encoded(Reply{1, deep}))));
   EXPECT_FALSE(decode_to_client(only_frame(encoded(Observed{deep}))));

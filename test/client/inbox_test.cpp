@@ -37,7 +37,7 @@ std::string drain(Inbox& inbox) {
   return names;
 }
 
-TEST(Inbox, IsFullOfPacketsTooWhereADaemonGivesMoreThanItWasAskedFor) {
+TEST(Inbox, IsFullIfADaemonSendsMorePacketsThanItWasAskedFor) {
   Inbox inbox;
   for (int i = 0; i < 65536 && !inbox.full(); ++i) inbox.put(packet(0, 1));
   EXPECT_TRUE(inbox.full());
@@ -61,7 +61,7 @@ TEST(Inbox, HandsOutInterruptsBeforeAllElse) {
   EXPECT_EQ(drain(inbox), "i1 r1 p1");
 }
 
-TEST(Inbox, LetsNoStreamOfPacketsHoldBackAResult) {
+TEST(Inbox, DoesNotLetAStreamOfPacketsDelayAResult) {
   Inbox inbox;
   inbox.put(packet(3, 1));
   inbox.put(result(1));
@@ -81,7 +81,7 @@ TEST(Inbox, FindsResultsAndRepliesByToken) {
   EXPECT_EQ(drain(inbox), "r1");
 }
 
-TEST(Inbox, CountsTheObservedThatItHasNoRoomFor) {
+TEST(Inbox, CountsTheObservationsThatDoNotFit) {
   Inbox inbox;
   for (int i = 0; i < 4096 + 5; ++i) inbox.put(Observed{"x"});
   for (int i = 0; i < 4095; ++i) ASSERT_EQ(name(*inbox.take()), "ox");
@@ -89,14 +89,14 @@ TEST(Inbox, CountsTheObservedThatItHasNoRoomFor) {
   EXPECT_EQ(drain(inbox), "ox lost5 oy");
 }
 
-TEST(Inbox, TellsOfLostObservedEvenIfNoneFollows) {
+TEST(Inbox, ReportsLostObservationsEvenIfNoneFollows) {
   Inbox inbox;
   for (int i = 0; i < 4096 + 5; ++i) inbox.put(Observed{"x"});
   for (int i = 0; i < 4096; ++i) ASSERT_EQ(name(*inbox.take()), "ox");
   EXPECT_EQ(drain(inbox), "lost5");
 }
 
-TEST(Inbox, IsFullWhenResultsAreLeftLying) {
+TEST(Inbox, IsFullWhenResultsAreNotFetched) {
   Inbox inbox;
   for (std::uint32_t token = 0; token < 65535; ++token) inbox.put(result(token));
   EXPECT_FALSE(inbox.full());

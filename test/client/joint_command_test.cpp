@@ -69,7 +69,7 @@ TEST(JointCommandFormat, RefusesNotANumberAndNamesTheJoint) {
   EXPECT_EQ(encode(command).error().error, EncodeError::not_a_number);
 }
 
-TEST(JointCommandFormat, FlagsValuesItHadToCut) {
+TEST(JointCommandFormat, FlagsValuesThatItHadToClamp) {
   auto command = three_joints();
   command.joints[0].position = -5000;
   const auto read = decode_joint_command(view(*encode(command)));

@@ -61,7 +61,7 @@ TEST(JointStateFormat, KeepsEveryModeFlagApart) {
   }
 }
 
-TEST(JointStateFormat, CutsValuesOutOfRangeAndSaysSo) {
+TEST(JointStateFormat, ClampsValuesOutOfRangeAndSaysSo) {
   auto wild = two_joints();
   wild.joints[1] = {1e9, -std::numeric_limits<double>::infinity(), 0};
   const auto state = decode_joint_state(view(*encode(wild)));
@@ -90,7 +90,7 @@ TEST(JointStateFormat, HoldsAsManyJointsAsOnePacketDoes) {
   EXPECT_EQ(encode(state).error().error, EncodeError::too_many_items);
 }
 
-TEST(JointStateFormat, RefusesANegativeStampBothWays) {
+TEST(JointStateFormat, RefusesANegativeStampWhenWritingAndReading) {
   JointState state;
   state.stamp_ns = -1;
   ASSERT_FALSE(encode(state));

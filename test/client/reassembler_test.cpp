@@ -60,7 +60,7 @@ TEST(Reassembler, GivesBackMessagesOfEverySizeAroundThePacketBoundary) {
   EXPECT_EQ(reassembler.counters().messages, 9U);
 }
 
-TEST(Reassembler, TellsWhatWasAnnouncedThoughItTookSeveralPackets) {
+TEST(Reassembler, GivesBackAnAnnouncementThatTookSeveralPackets) {
   Reassembler reassembler;
   Topic topic(reassembler, 1, 2);
   const Announcement about{"camera", "sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743", std::string(5000, 'd'),
@@ -73,7 +73,7 @@ TEST(Reassembler, TellsWhatWasAnnouncedThoughItTookSeveralPackets) {
   EXPECT_EQ(reassembler.counters().announcements, 1U);
 }
 
-TEST(Reassembler, DropsOnlyTheMessageAFragmentOfWhichIsLost) {
+TEST(Reassembler, DropsOnlyTheMessageThatLostAFragment) {
   for (std::size_t lost = 0; lost < 5; ++lost) {
     Reassembler reassembler;
     Topic topic(reassembler, 1, 2);
@@ -87,7 +87,7 @@ TEST(Reassembler, DropsOnlyTheMessageAFragmentOfWhichIsLost) {
   }
 }
 
-TEST(Reassembler, LeavesOutFragmentsThatComeAgain) {
+TEST(Reassembler, IgnoresFragmentsThatComeTwice) {
   Reassembler reassembler;
   Topic topic(reassembler, 1, 2);
   topic.announce();
@@ -209,7 +209,7 @@ TEST(Reassembler, NeverHoldsMoreThanItsLimitAndGivesUpTheLongestIdle) {
   EXPECT_GT(reassembler.counters().no_memory, 0U);  // in the end, announcements fill it
 }
 
-TEST(Reassembler, TakesALiveSendersMessagesThoughDeadOnesLeftTheirs) {
+TEST(Reassembler, TakesALiveSendersMessagesAlthoughDeadSendersLeftFragments) {
   Reassembler reassembler({/*message=*/2000, /*total=*/5000});
   for (std::uint8_t source = 0; source < 10; ++source) {
     Topic dead(reassembler, source, 0);
@@ -231,7 +231,7 @@ TEST(Reassembler, FindsDamageThatNoPacketShows) {
   EXPECT_EQ(reassembler.counters().corrupt, 1U);
 }
 
-TEST(Reassembler, CountsAnAnnouncementThatIsNone) {
+TEST(Reassembler, CountsAMalformedAnnouncement) {
   Reassembler reassembler;
   Fragmenter fragmenter(2);
   for (const auto& packet : cut(fragmenter, Kind::announcement, {9, 9, 9}))
@@ -241,7 +241,7 @@ TEST(Reassembler, CountsAnAnnouncementThatIsNone) {
   EXPECT_EQ(reassembler.held(), 0U);
 }
 
-TEST(Reassembler, CountsPacketsThatAreNoFragments) {
+TEST(Reassembler, CountsPacketsThatAreNotFragments) {
   Reassembler reassembler;
   EXPECT_FALSE(reassembler.take(1, {}));
   EXPECT_FALSE(reassembler.take(1, view(Bytes(512, 0xAB))));

@@ -49,7 +49,7 @@ TEST(SensorReadingFormat, ReadsBackBothKinds) {
   }
 }
 
-TEST(SensorReadingFormat, CutsAndFlagsValuesOutOfRange) {
+TEST(SensorReadingFormat, ClampsAndFlagsValuesOutOfRange) {
   auto wild = imu();
   wild.angular[1] = 3000;
   const auto read = decode_sensor_reading(view(*encode(wild)));

@@ -41,7 +41,7 @@ Kind next(HostPort& port) {
   return std::get<Kind>(port.receive(kGuard).value());
 }
 
-TEST_F(StubbornDaemon, EndingCancelsWhatIsOutstandingBeforeItIsToldAbout) {
+TEST_F(StubbornDaemon, EndingCancelsOutstandingCallsBeforeItIsReported) {
   HostPort port = connect();
   const std::uint32_t sent = port.send(4, {1});
   const std::uint32_t interrupted = port.interrupt(4, 0);
@@ -67,7 +67,7 @@ TEST_F(StubbornDaemon, BeingGoneCancelsLaterCallsToo) {
 
 /// What one read has brought is taken without a system call for each; an interrupt that comes meanwhile waits for
 /// 16 of them at most.
-TEST_F(StubbornDaemon, AnInterruptOvertakesMostOfWhatIsThereAlready) {
+TEST_F(StubbornDaemon, AnInterruptOvertakesMostOfWhatHasArrived) {
   HostPort port = connect();
   for (int i = 0; i < 100; ++i) daemon.say(Observed{"{}"});
   next<Observed>(port);
@@ -77,7 +77,7 @@ TEST_F(StubbornDaemon, AnInterruptOvertakesMostOfWhatIsThereAlready) {
   EXPECT_EQ(before, 16);
 }
 
-TEST_F(StubbornDaemon, EndingWhileAskedEndsTheQuestion) {
+TEST_F(StubbornDaemon, EndingDuringARequestEndsTheRequest) {
   HostPort port = connect();
   auto answer = std::async([&] { return port.ask("{}", kGuard); });
   daemon.hear(1);
@@ -85,7 +85,7 @@ TEST_F(StubbornDaemon, EndingWhileAskedEndsTheQuestion) {
   EXPECT_THROW(answer.get(), HostPortError);
 }
 
-TEST_F(StubbornDaemon, IsWaitedForWhereTooManyOthersWaitThereThoughNobodyWaitsForOneToCome) {
+TEST_F(StubbornDaemon, IsWaitedForIfItsQueueOfClientsIsFullEvenWithoutATimeOut) {
   std::vector<client::UnixSocket> others;
   while (auto other = client::UnixSocket::connect(socket_path(ring_directory("r"), "3", "host")))
     others.push_back(std::move(*other));
@@ -114,13 +114,13 @@ TEST_F(StubbornDaemon, GivesItsReasonForEndingAConnection) {
   EXPECT_EQ(next<Disconnected>(port).reason, "reset");
 }
 
-TEST_F(StubbornDaemon, SayingNonsenseIsLeft) {
+TEST_F(StubbornDaemon, SendingGarbageIsDisconnected) {
   HostPort port = connect();
   daemon.say_bytes({0, 0, 0, 1, 0x55});
   EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("not a message"));
 }
 
-TEST_F(StubbornDaemon, ClaimingAHugeMessageIsLeft) {
+TEST_F(StubbornDaemon, ClaimingAHugeMessageIsDisconnected) {
   HostPort port = connect();
   daemon.say_bytes({0xFF, 0xFF, 0xFF, 0xFF, 0x85});
   EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("not a message"));
@@ -148,7 +148,7 @@ TEST_F(StubbornDaemon, SayingAMessageByteByByteIsUnderstood) {
   EXPECT_EQ(next<Observed>(port).json, "in pieces");
 }
 
-TEST_F(StubbornDaemon, IsWaitedForAsLongAsMillisecondsGo) {
+TEST_F(StubbornDaemon, IsWaitedForUpToTheLargestNumberOfMilliseconds) {
   HostPort port = connect();
   auto received = std::async(std::launch::async, [&] { return port.receive(milliseconds::max()); });
   EXPECT_EQ(received.wait_for(milliseconds{20}), std::future_status::timeout) << "it did not wait";
@@ -168,7 +168,7 @@ TEST_F(StubbornDaemon, NotReadingEndsTheConnectionInsteadOfHangingTheClient) {
   EXPECT_TRUE(told);
 }
 
-TEST_F(StubbornDaemon, NotAnsweringInTimeIsSaid) {
+TEST_F(StubbornDaemon, NotAnsweringInTimeIsReported) {
   HostPort port = connect();
   const std::uint32_t token = port.send(4, {1});
   EXPECT_THAT(test::thrown<HostPortError>([&] { port.wait(token, milliseconds{1}); }),
@@ -180,7 +180,7 @@ TEST_F(StubbornDaemon, NotAnsweringInTimeIsSaid) {
 }
 
 // An end that was received already does not come again, however long one waits.
-TEST_F(StubbornDaemon, IsNotWaitedForWhereNothingIsOutstanding) {
+TEST_F(StubbornDaemon, IsNotWaitedForIfNothingIsOutstanding) {
   HostPort port = connect();
   const std::uint32_t sent = port.send(4, std::vector<std::uint8_t>(100000));  // ends here: rejected
   EXPECT_EQ(next<Result>(port).token, sent);

@@ -5,7 +5,7 @@
 namespace limb_ring::config {
 namespace {
 
-TEST(Body, HasTheFirstAttachedCpuElseIsTheFirstNode) {
+TEST(Body, IsTheFirstNodeWithAnAttachedCpuElseTheFirstNode) {
   RingConfig ring;
   ring.nodes.resize(3);
   for (std::uint8_t i = 0; i < 3; ++i) ring.nodes[i].id = static_cast<std::uint8_t>(7 + i);

@@ -19,7 +19,7 @@ std::string refusal_of(const std::string& text) {
   }
 }
 
-TEST(FaultWords, SayALineAndWhatHappensOnIt) {
+TEST(FaultWords, NameALineAndWhatHappensOnIt) {
   const Fault fault = from_words("drop hip -> knee packets=3 once_in=10 for=2s seed=4", kNodes);
   EXPECT_EQ(fault.name, Name::drop);
   EXPECT_THAT(fault.nodes, ElementsAre(0));
@@ -29,12 +29,12 @@ TEST(FaultWords, SayALineAndWhatHappensOnIt) {
   EXPECT_EQ(fault.seed, 4u);
 }
 
-TEST(FaultWords, SayALineAlsoWithoutWhatAShellTakesForItself) {
+TEST(FaultWords, NameALineAlsoWithoutCharactersThatAShellInterprets) {
   for (const char* text : {"cut hip:knee", "cut hip -> knee", "cut hip->knee", "cut hip : knee"})
     EXPECT_THAT(from_words(text, kNodes).nodes, ElementsAre(0)) << text;
 }
 
-TEST(FaultWords, SayTheSecondLineAgainstRingOrder) {
+TEST(FaultWords, NameTheSecondLineAgainstRingOrder) {
   const Fault fault = from_words("cut hip:ankle", kNodes);
   EXPECT_THAT(fault.nodes, ElementsAre(0));
   EXPECT_TRUE(fault.second_line);
@@ -44,12 +44,12 @@ TEST(FaultWords, SayTheSecondLineAgainstRingOrder) {
               AllOf(HasSubstr("'cut hip -> ankle' is on a second line"), HasSubstr("cut hip -> knee")));
 }
 
-TEST(FaultWords, SayNodesByNameNumberOrAll) {
+TEST(FaultWords, NameNodesByNameNumberOrAll) {
   EXPECT_THAT(from_words("kill knee 12", kNodes).nodes, ElementsAre(1, 2));
   EXPECT_THAT(from_words("power_cycle all", kNodes).nodes, ElementsAre(0, 1, 2));
 }
 
-TEST(FaultWords, ComeBackAsTheyWere) {
+TEST(FaultWords, ReadBackAsTheyWereWritten) {
   for (const char* text :
        {"cut hip -> knee after_packets=100 of=ankle", "heal ankle -> hip", "stall ankle -> knee", "kill knee ankle",
         "delay hip -> knee packets=7 delay=2ms jitter=500us after=1s", "hang knee for=1s",
@@ -63,7 +63,7 @@ TEST(FaultWords, AreInTheOrderOfTheirNames) {
   EXPECT_EQ(kWords[std::size(kWords) - 1].name, Name::mute);
 }
 
-TEST(FaultWords, EndWhatLastsAndKnowAllThatEndsIt) {
+TEST(FaultWords, LastForATimeIfSomethingEndsThemAndAPowerCycleEndsThem) {
   for (const Word& word : kWords) {
     if (word.of == Of::line) continue;
     EXPECT_EQ((word.keys & kFor) != 0, word.ended_by != 0) << word.word;
@@ -74,7 +74,7 @@ TEST(FaultWords, EndWhatLastsAndKnowAllThatEndsIt) {
   }
 }
 
-TEST(FaultWords, MakeOfANodeWhatCanBeMadeOfIt) {
+TEST(FaultWords, ChangeTheStateOfANodeIfItAllowsThat) {
   EXPECT_EQ(after(Name::kill, Node::runs), Node::dead);
   EXPECT_EQ(after(Name::kill, Node::frozen), Node::dead);
   EXPECT_EQ(after(Name::freeze, Node::runs), Node::frozen);
@@ -110,7 +110,7 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of("rate hip -> knee rate=unlimited"), HasSubstr("allowed: a rate such as"));
 }
 
-TEST(FaultWords, NameAValueThatStandsAloneAndItsKey) {
+TEST(FaultWords, NameAValueWithoutAKeyAndTheKeyItNeeds) {
   EXPECT_EQ(refusal_of("rate hip:knee 1Mbit/s"), "'1Mbit/s' is a word too many; allowed: rate=1Mbit/s");
   EXPECT_EQ(refusal_of("rate 1Mbit/s hip -> knee"), "'1Mbit/s' is a word too many; allowed: rate=1Mbit/s");
   EXPECT_EQ(refusal_of("rate hip -> nee 1Mbit/s"), "'1Mbit/s' is a word too many; allowed: rate=1Mbit/s");

@@ -9,7 +9,7 @@ using testing::IsEmpty;
 
 constexpr Duration kMillisecond = 1ms;
 
-TEST(HeldBack, DelayMakesEveryPacketSoMuchLater) {
+TEST(HeldBack, DelayMakesEveryPacketLaterByItsValue) {
   LineRig line;
   line.begin("delay hip -> knee delay=2ms");
   line.whole(1);
@@ -24,7 +24,7 @@ TEST(HeldBack, DelayMakesEveryPacketSoMuchLater) {
   EXPECT_EQ(line.faults.counters().line_delayed, 2u);
 }
 
-TEST(HeldBack, APacketIsNeverOvertakenByOneThatIsLessLate) {
+TEST(HeldBack, APacketIsNeverOvertakenByOneWithLessDelay) {
   LineRig line;
   line.begin("delay hip -> knee delay=1ms packets=1");
   line.whole(1);
@@ -88,7 +88,7 @@ TEST(HeldBack, RateLetsNoMoreThroughThanItSays) {
 }
 
 // At 8 ns a byte 28 bytes take 224 ns.
-TEST(HeldBack, WhatAStallHeldBackGoesOnNoFasterThanTheLine) {
+TEST(HeldBack, PacketsHeldByAStallGoOnNoFasterThanTheLine) {
   LineRig line(1, Duration{8ns});
   line.begin("stall hip -> knee for=1ms");
   for (unsigned i = 1; i <= 3; ++i) line.whole(i);

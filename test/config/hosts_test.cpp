@@ -54,7 +54,7 @@ TEST(Hosts, NodeListensAtTheAddressOfItsHostOrAtItsOwn) {
   EXPECT_EQ(ring.nodes[2].link.address, "10.0.1.2") << "a second network interface";
 }
 
-TEST(Hosts, OfARobotAreOneAtADesk) {
+TEST(Hosts, OfARobotCanAllBeOneHostAtADesk) {
   RingConfig ring = read(two_hosts());
   apply_one_host(ring);
   EXPECT_TRUE(ring.hosts.empty());

@@ -40,7 +40,7 @@ TEST(LineFaults, DropTakesAllPartsOfADatpAndLeavesTheIntpInsideIt) {
   EXPECT_THAT(line.came(), ElementsAre("INTP 5"));
 }
 
-TEST(LineFaults, DropMayTakeTheIntpAlone) {
+TEST(LineFaults, DropMayTakeOnlyTheIntp) {
   LineRig line;
   line.start(1);
   line.begin("drop hip -> knee packets=1");
@@ -49,7 +49,7 @@ TEST(LineFaults, DropMayTakeTheIntpAlone) {
   EXPECT_THAT(line.came(), ElementsAre("start 1", "end"));
 }
 
-TEST(LineFaults, CorruptMakesOneBitWrongThatTheCrcShows) {
+TEST(LineFaults, CorruptFlipsOneBitWhichTheCrcShows) {
   LineRig line;
   line.begin("corrupt hip -> knee packets=2");
   line.whole(1);
@@ -90,7 +90,7 @@ TEST(LineFaults, CorruptMayHitAnyBitBehindTheHeader) {
   }
 }
 
-TEST(LineFaults, CorruptHitsAPacketInSeveralSlicesInItsLast) {
+TEST(LineFaults, CorruptHitsThePacketOfSeveralSlicesInItsLastSlice) {
   LineRig line;
   line.begin("corrupt hip -> knee packets=1");
   line.start(1);
@@ -194,7 +194,7 @@ TEST(LineFaults, BeginAfterADelayAndEndAfterATime) {
   EXPECT_THAT(line.came(), ElementsAre("1", "3"));
 }
 
-TEST(LineFaults, BeginWhenANodeHasDeliveredSoMany) {
+TEST(LineFaults, BeginWhenANodeHasDeliveredANumberOfPackets) {
   LineRig line;
   const NodeId ankle{2};
   line.begin("cut hip -> knee after_packets=2 of=ankle");
@@ -225,7 +225,7 @@ TEST(LineFaults, AreListedAndRemovedOneByOne) {
 }
 
 // Two of the same seed, one of another; one in three of 100 packets is some 33.
-TEST(LineFaults, OfTheSameSeedDoTheSameDamage) {
+TEST(LineFaults, WithTheSameSeedDoTheSameDamage) {
   const auto damage = [](std::uint64_t seed) {
     LineRig line(seed);
     line.begin("drop hip -> knee once_in=3");
@@ -239,7 +239,7 @@ TEST(LineFaults, OfTheSameSeedDoTheSameDamage) {
   EXPECT_LT(damage(7).size(), 80u);
 }
 
-TEST(LineFaults, AFaultsOwnSeedWinsOverTheLines) {
+TEST(LineFaults, AFaultsOwnSeedTakesPrecedenceOverTheLines) {
   const auto damage = [](std::uint64_t seed, const std::string& fault) {
     LineRig line(seed);
     line.begin(fault);

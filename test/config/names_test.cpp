@@ -35,7 +35,7 @@ TEST(PlainText, IsUtf8WithoutControlCharacters) {
     EXPECT_FALSE(is_plain_text(text)) << text;
 }
 
-TEST(Digits, AreThoseOfAsciiAloneAndAtMostSoMany) {
+TEST(Digits, AreAsciiDigitsUpToANumberOfThem) {
   EXPECT_TRUE(are_digits("7"));
   EXPECT_TRUE(are_digits("0123456789"));
   EXPECT_TRUE(are_digits("255", 3));
@@ -44,7 +44,7 @@ TEST(Digits, AreThoseOfAsciiAloneAndAtMostSoMany) {
     EXPECT_FALSE(are_digits(text)) << text;
 }
 
-TEST(PrintableText, IsOneLineAndOfALongTextTheBeginning) {
+TEST(PrintableText, IsOneLineAndOnlyTheBeginningOfALongText) {
   EXPECT_EQ(printable(std::string("a\nb\0c\x7f", 6)), "a?b?c?");
   EXPECT_EQ(printable(std::string(60, 'x')), std::string(60, 'x'));
   EXPECT_EQ(printable(std::string(61, 'x')), std::string(60, 'x') + "...");

@@ -14,7 +14,7 @@ NodeConfig node_of(const std::string& more) {
   return *ring.find(std::uint8_t{0});
 }
 
-TEST(NodeFile, WithAnIdAloneHasTheDefaults) {
+TEST(NodeFile, WithOnlyAnIdHasTheDefaults) {
   const NodeConfig node = node_of("");
   EXPECT_EQ(node.name, "node0");
   EXPECT_EQ(node.cpu.kind, CpuConfig::Kind::none);

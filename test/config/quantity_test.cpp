@@ -38,7 +38,7 @@ TEST(Time, IsWrittenInTheLargestWholeUnit) {
   EXPECT_EQ(format_time(std::chrono::nanoseconds::min()), "-9223372036854775808ns");
 }
 
-TEST(Time, IsNothingElse) {
+TEST(Time, RefusesEverythingElse) {
   for (const char* text : {"", "12", "12 parsec", "ms", "e3ms", "-5ms", "+5ms", "5  ms", "5ms ", ".", ".ms", "1.2.3s",
                            "5 MS", "99999999999s", "1,5s", "1e99s"})
     EXPECT_FALSE(parse_time(text)) << text;
@@ -61,7 +61,7 @@ TEST(Rate, IsReadAsPeopleWriteIt) {
   EXPECT_EQ(parse_rate("10mbit/s"), 10000000u);
 }
 
-TEST(Rate, InBytesIsRefusedRatherThanTakenForBits) {
+TEST(Rate, InBytesIsRefusedInsteadOfBeingReadAsBits) {
   for (const char* text : {"10MB/s", "10 MB/s", "10MBps", "10B/s", "10MB", "10MByte/s"})
     EXPECT_FALSE(parse_rate(text)) << text;
 }
@@ -71,7 +71,7 @@ TEST(Rate, WrittenAndReadAgainIsTheSame) {
     EXPECT_EQ(parse_rate(format_rate(rate)), rate) << format_rate(rate);
 }
 
-TEST(Rate, IsNothingElse) {
+TEST(Rate, RefusesEverythingElse) {
   for (const char* text : {"", "fast", "Gbit/s", "10M ", "10 ", "1GG", "-1", "1e", "1e9e", "99999999999Gbit/s"})
     EXPECT_FALSE(parse_rate(text)) << text;
 }

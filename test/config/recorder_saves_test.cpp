@@ -29,12 +29,12 @@ RecorderSaves saves_of(const std::string& recorder, bool records = true) {
   }
 }
 
-TEST(RecorderSaves, AreNoneWhereTheFileDoesNotSayWhen) {
+TEST(RecorderSaves, AreOffUnlessTheFileSaysWhen) {
   EXPECT_THAT(saves_of("").when, IsEmpty());
   EXPECT_THAT(saves_of("recorder: {enabled: true}\n").when, IsEmpty());
 }
 
-TEST(RecorderSaves, AreWhatTheFileSaysBesideIt) {
+TEST(RecorderSaves, HaveTheFolderAndNumberThatTheFileGives) {
   const RecorderSaves saves = saves_of("recorder: {enabled: true, save: [crash, promise], folder: saves, keep: 3}\n");
   EXPECT_THAT(saves.when, ElementsAre("crash", "promise"));
   EXPECT_EQ(saves.folder, (std::filesystem::temp_directory_path() / "saves").string());
@@ -42,13 +42,13 @@ TEST(RecorderSaves, AreWhatTheFileSaysBesideIt) {
   EXPECT_EQ(saves_of("recorder: {save: [break], folder: /var/saves}\n").folder, "/var/saves");
 }
 
-TEST(RecorderSaves, LieWhereStateDoesElse) {
+TEST(RecorderSaves, LieInTheUsersStateFolderByDefault) {
   ::setenv("XDG_STATE_HOME", "/some/state", 1);
   EXPECT_EQ(saves_of("recorder: {save: [crash]}\n").folder, "/some/state/limb_ring");
   ::unsetenv("XDG_STATE_HOME");
 }
 
-TEST(RecorderSaves, AreRefusedWithTheirPlaceWhereNothingIsRecorded) {
+TEST(RecorderSaves, AreRefusedWithTheirPlaceIfNothingIsRecorded) {
   try {
     saves_of("recorder:\n  folder: saves\n  save: [crash]\n", /*records=*/false);
     FAIL() << "nothing is recorded";

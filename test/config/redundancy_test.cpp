@@ -12,7 +12,7 @@ TEST(Redundancy, IsNoneUnlessTheFileSaysFoldback) {
   EXPECT_EQ(parse_ring(two_nodes("redundancy: foldback\n"), "ring.yaml").redundancy, Redundancy::foldback);
 }
 
-TEST(Redundancy, IsNothingElse) {
+TEST(Redundancy, RefusesEverythingElse) {
   EXPECT_THAT(refusal_of(two_nodes("redundancy: double\n")),
               HasSubstr("'redundancy': 'double' is unknown; allowed: none, foldback"));
 }

@@ -70,11 +70,11 @@ TEST_F(ResetOrderTest, ARefusedInterruptHasDoneNothing) {
   EXPECT_EQ(report->message, "the interrupt ended 'refused'");
 }
 
-TEST_F(ResetOrderTest, OfANodeThatIsNotThereItEndsInAPlainSentence) {
+TEST_F(ResetOrderTest, ForAMissingNodeItEndsWithAPlainSentence) {
   EXPECT_EQ(ends(Outcome::no_such_node)->message, "the interrupt ended 'no such node'");
 }
 
-TEST_F(ResetOrderTest, ALostInterruptMayHaveArrivedAndTheBeaconTells) {
+TEST_F(ResetOrderTest, AfterALostInterruptTheBeaconTellsWhetherItArrived) {
   EXPECT_FALSE(ends(Outcome::lost));
   const auto report = boots();
   ASSERT_TRUE(report);
@@ -88,7 +88,7 @@ TEST_F(ResetOrderTest, ALostInterruptWithoutABootLeavesItOpen) {
   EXPECT_EQ(order.timed_out(now += 3s).effect, Effect::unknown);
 }
 
-TEST_F(ResetOrderTest, OfANodeThatIsNotHeardNothingIsWaitedFor) {
+TEST_F(ResetOrderTest, ANodeThatIsNotHeardIsNotWaitedFor) {
   cpu.heard = false;
   const auto report = ends(Outcome::lost);
   ASSERT_TRUE(report);
@@ -111,7 +111,7 @@ TEST_F(ResetOrderTest, UpTheOpenChainNothingArrives) {
   EXPECT_EQ(report->message, "not reset");
 }
 
-TEST_F(ResetOrderTest, UnconfirmedInAChainThatHasClosedAgainTheBeaconTells) {
+TEST_F(ResetOrderTest, UnconfirmedInAChainThatHasClosedAgainItIsDecidedByTheBeacon) {
   EXPECT_FALSE(ends(Outcome::unconfirmed));
   EXPECT_TRUE(boots()->success());
 }

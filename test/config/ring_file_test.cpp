@@ -7,7 +7,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(RingFile, WithNothingButNodesHasTheDefaults) {
+TEST(RingFile, WithOnlyNodesHasTheDefaults) {
   const RingConfig ring = read(two_nodes());
   EXPECT_EQ(ring.ring, "pair");
   EXPECT_EQ(ring.path, "ring.yaml");
@@ -83,7 +83,7 @@ TEST(RingFile, SetsFirmwareBridgeAndRealtime) {
   EXPECT_FALSE(ring.realtime.auto_cores);
 }
 
-TEST(RingFile, ChoosesTheCoresWhereTheyAreAuto) {
+TEST(RingFile, ChoosesTheCoresIfTheyAreAuto) {
   EXPECT_TRUE(read(two_nodes("realtime: {cores: auto}\n")).realtime.auto_cores);
 }
 

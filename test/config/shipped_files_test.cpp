@@ -50,7 +50,7 @@ TEST(ShippedFiles, HumanoidsLimbsHaveFirmware) {
   EXPECT_EQ(supervisor_of(ring).name, "body");
 }
 
-TEST(ShippedFiles, FirstRingOfTheTourHasACpuAtEveryNodeSoThatNobodysPacketsAreRefused) {
+TEST(ShippedFiles, FirstRingOfTheTourHasACpuAtEveryNodeSoThatNoPacketIsRefused) {
   const RingConfig ring = shipped("leg8.yaml");
   for (const NodeConfig& node : ring.nodes) EXPECT_EQ(node.cpu.kind, CpuConfig::Kind::child) << node.name;
   for (const char* name : {"body", "head", "waist", "left_hip", "left_hip_yaw", "left_knee", "right_elbow"})

@@ -30,7 +30,7 @@ TEST(Supervisor, IsWhatTheFileSays) {
   EXPECT_EQ(read_with("supervisor: {policy: off}\n").supervisor.policy, Policy::off);
 }
 
-TEST(Supervisor, IsTheBodysNodeWhereNoneIsNamed) {
+TEST(Supervisor, IsTheBodysNodeIfNoneIsNamed) {
   RingConfig ring = read_with("");
   EXPECT_EQ(supervisor_of(ring).name, "body");  // the first, for want of an attached CPU
   ring.nodes[1].cpu.kind = CpuConfig::Kind::attached;

@@ -29,12 +29,12 @@ class UnreadableFile : public ::testing::Test {
   const std::string folder_ = temporary_.path();
 };
 
-TEST_F(UnreadableFile, IsReadWhereNothingIsWrong) {
+TEST_F(UnreadableFile, IsReadIfNothingIsWrong) {
   const std::string path = file(two_nodes());
   EXPECT_EQ(load_ring(path).path, path);
 }
 
-TEST_F(UnreadableFile, ThatIsXmlIsNamedForIt) {
+TEST_F(UnreadableFile, ThatIsXmlIsCalledXml) {
   for (const char* text : {"<robot name=\"r\"/>", "\xEF\xBB\xBF<?xml version=\"1.0\"?>\n<sdf/>", "\n  <launch/>"})
     EXPECT_THAT(refusal_of_file(file(text)), HasSubstr(": is XML, not YAML; if it describes a robot, 'ringctl new "));
 }
@@ -84,7 +84,7 @@ TEST(NotYaml, EmptyOrSeveralDocumentsOrNoMap) {
   EXPECT_THAT(refusal_of("ring\n"), HasSubstr("the file: 'ring' is not a map"));
 }
 
-TEST(NotYaml, ACommaThatIsLeftOver) {
+TEST(NotYaml, ATrailingComma) {
   EXPECT_THAT(refusal_of("{ring: r, nodes: [{id: 0}, {id: 1}]},\n"),
               StartsWith("ring.yaml:1:37: what begins here is not part of the YAML document; allowed: one document"));
   for (const char* left_over :
@@ -125,7 +125,7 @@ TEST(NotYaml, DeepByAliasesOnly) {
   EXPECT_THAT(refusal_of(text), AllOf(StartsWith("ring.yaml:64:"), HasSubstr("nested too deep")));
 }
 
-TEST(NotYaml, AnAliasOfWhatItIsIn) {
+TEST(NotYaml, AnAliasOfItsOwnContainer) {
   EXPECT_THAT(refusal_of("&a\nring: r\nnodes: [*a, *a]\n"),
               AllOf(StartsWith("ring.yaml:3:9: "), HasSubstr("holds itself")));
   EXPECT_THAT(refusal_of("ring: &a [*a]\n"), HasSubstr("holds itself"));

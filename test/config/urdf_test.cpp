@@ -92,7 +92,7 @@ TEST_F(Urdf, HasJointsThatSlide) {
               HasSubstr("'revolute' is another type than in"));
 }
 
-TEST_F(Urdf, StartsAJointAsNearToZeroAsItMay) {
+TEST_F(Urdf, StartsAJointAsCloseToZeroAsItsLimitsAllow) {
   EXPECT_EQ(joint(knee("revolute", "<limit lower='1' upper='2' velocity='1' effort='9'/>")).initial, 1);
   EXPECT_EQ(joint(knee("revolute", "<limit lower='-2' upper='-1' velocity='1' effort='9'/>")).initial, -1);
   EXPECT_EQ(joint(knee("revolute", "<limit lower='-2' upper='1' velocity='1' effort='9'/>")).initial, 0);
@@ -202,7 +202,7 @@ TEST_F(Urdf, IsFoundInAPackage) {
   EXPECT_THAT(refusal("", ring), HasSubstr("ROS_PACKAGE_PATH is not set"));
 }
 
-TEST_F(Urdf, IsNotThereOrNoUrdf) {
+TEST_F(Urdf, ThatIsMissingOrNotAUrdfIsRefused) {
   const std::string place = folder_ + "/ring.yaml:2:7: entry 'urdf': " + folder_ + "/robot.urdf";
   EXPECT_THAT(refusal_of(ring_of()), AllOf(HasSubstr("entry 'urdf': robot.urdf: there is no such file"),
                                            EndsWith("allowed: a URDF: its path from the folder of this file, or "
@@ -253,7 +253,7 @@ TEST_F(Urdf, SaysAllThatIsWrongAtOnce) {
                     HasSubstr(":4: joint 'b' is of no type"), HasSubstr(":5: joint 'c' mimics 'd'")));
 }
 
-TEST_F(Urdf, ThatIsToBeAWholeRobotHasItsLinksAndItsLimits) {
+TEST_F(Urdf, OfAWholeRobotHasItsLinksAndItsLimits) {
   const std::string wrong = robot(
       "<link name='body'/><link name='shin'/>\n"
       "<joint name='a' type='revolute'><child link='shin'/></joint>\n"
@@ -274,7 +274,7 @@ TEST_F(Urdf, ThatIsToBeAWholeRobotHasItsLinksAndItsLimits) {
   }
 }
 
-TEST_F(Urdf, ThatIsToBeAWholeRobotIsATreeOfLinks) {
+TEST_F(Urdf, OfAWholeRobotIsATreeOfLinks) {
   const auto refused = [](const std::string& parts) -> std::string {
     try {
       parse_urdf(robot("<link name='a'/><link name='b'/><link name='c'/>\n" + parts), "robot.urdf", /*whole=*/true);
@@ -298,7 +298,7 @@ TEST_F(Urdf, ThatIsToBeAWholeRobotIsATreeOfLinks) {
               StartsWith("robot.urdf:3: link 'a' is there twice"));
 }
 
-TEST_F(Urdf, MayHaveCommentsBeforeItsXmlDeclarationAsOfOldXacro) {
+TEST_F(Urdf, MayHaveCommentsBeforeItsXmlDeclarationAsOldXacroWrites) {
   const std::string text = "<!-- written by xacro -->\n<?xml version=\"1.0\" ?>\n" + knee("revolute", "");
   EXPECT_EQ(parse_urdf(text, "robot.urdf").joints.at("knee").line, 4);
 }

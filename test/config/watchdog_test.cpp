@@ -105,7 +105,7 @@ TEST_F(WatchdogTest, ASlowCpuThatItsControllerCallsRunningIsAlive) {
   EXPECT_THAT(findings_, IsEmpty());
 }
 
-TEST_F(WatchdogTest, OneThatSpeaksAgainByItselfIsNoLongerHung) {
+TEST_F(WatchdogTest, ACpuThatSpeaksAgainByItselfIsNoLongerHung) {
   watch(Policy::report);
   run_for_long();
   hang();
@@ -128,7 +128,7 @@ TEST_F(WatchdogTest, HasAGraceForBooting) {
   EXPECT_EQ(verdict(), CpuVerdict::hung);
 }
 
-TEST_F(WatchdogTest, AHigherBootNumberIsTheCure) {
+TEST_F(WatchdogTest, AHigherBootNumberMeansThatTheResetWorked) {
   run_for_long();
   hang();
   pass(100ms);
@@ -144,7 +144,7 @@ TEST_F(WatchdogTest, AHigherBootNumberIsTheCure) {
   EXPECT_FALSE(watchdog_->reset_ended(kKnee, true, "the CPU has booted again", now_));
 }
 
-TEST_F(WatchdogTest, ALowerBootNumberIsAnotherDaemonAndNoCure) {
+TEST_F(WatchdogTest, ALowerBootNumberMeansAnotherDaemonAndNotAReset) {
   run_for_long();
   boot();
   pass(60s);
@@ -157,7 +157,7 @@ TEST_F(WatchdogTest, ALowerBootNumberIsAnotherDaemonAndNoCure) {
   EXPECT_EQ(knee().confirmed, 0u);
 }
 
-TEST_F(WatchdogTest, OneOrderIsOutAtATime) {
+TEST_F(WatchdogTest, OnlyOneResetIsPendingAtATime) {
   run_for_long();
   hang();
   EXPECT_EQ(pass(60s), 1u);
@@ -208,7 +208,7 @@ TEST_F(WatchdogTest, TriesAreForgottenOnceTheCpuHasRunForLong) {
   EXPECT_EQ(knee().resets, 1u);
 }
 
-TEST_F(WatchdogTest, OneGivenUpThatSomebodyElseCuresIsWatchedOn) {
+TEST_F(WatchdogTest, ACpuThatWasGivenUpIsWatchedAgainOnceSomebodyElseResetsIt) {
   run_for_long();
   hang();
   for (int i = 0; i < 3; ++i) {
@@ -223,7 +223,7 @@ TEST_F(WatchdogTest, OneGivenUpThatSomebodyElseCuresIsWatchedOn) {
   EXPECT_EQ(pass(100ms), 1u);
 }
 
-TEST_F(WatchdogTest, ADeadNodeIsNoHungCpu) {
+TEST_F(WatchdogTest, ADeadNodeIsNotAHungCpu) {
   run_for_long();
   beacons_ = false;
   EXPECT_EQ(pass(60s), 0u);
@@ -231,7 +231,7 @@ TEST_F(WatchdogTest, ADeadNodeIsNoHungCpu) {
   EXPECT_THAT(findings_, ElementsAre("unreachable: no beacon of its node for 500 ms"));
 }
 
-TEST_F(WatchdogTest, AHungCpuWhoseNodeDiesIsNotResetAnyMore) {
+TEST_F(WatchdogTest, AHungCpuWhoseNodeDiesIsNoLongerReset) {
   run_for_long();
   hang();
   pass(100ms);

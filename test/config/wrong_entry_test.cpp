@@ -35,7 +35,7 @@ TEST(WrongEntry, IsNotTheOnlyOneAndAllAreNamedAtOnce) {
               AllOf(HasSubstr("entry 'timeouts.idle'"), HasSubstr("entry 'bridge.topics[1]'")));
 }
 
-TEST(WrongEntry, IsOneOfSoManyThatNotAllAreNamed) {
+TEST(WrongEntry, IsListedOnlyUpToALimit) {
   std::string text;
   for (int i = 0; i < 100; ++i) text += "unknown" + std::to_string(i) + ": 1\n";
   EXPECT_THAT(refusal_of(two_nodes(text)),
@@ -77,7 +77,7 @@ TEST(WrongEntry, ForControllersInLockstep) {
   EXPECT_THAT(refusal_of(two_nodes("bridge: {lockstep: [{}]}\n")), HasSubstr("entry 'bridge.lockstep[0]'"));
 }
 
-TEST(WrongEntry, ThatHasBecomeThreeNamesThem) {
+TEST(WrongEntry, ThatWasReplacedByThreeNamesThem) {
   EXPECT_THAT(
       refusal_of(two_nodes("timeouts: {bypass: 200ms}\n")),
       Eq("ring.yaml:6:20: entry 'timeouts.bypass': has been replaced by three entries; allowed: first_successor, "
@@ -126,7 +126,7 @@ TEST(WrongEntry, TimeOutOfRangeOrWithoutUnitOrTooFine) {
               AllOf(HasSubstr("'1500us' is too fine"), HasSubstr("in steps of 1ms")));
 }
 
-TEST(WrongEntry, NumberOutOfRangeOrNone) {
+TEST(WrongEntry, NumberOutOfRangeOrNotANumber) {
   EXPECT_THAT(refusal_of(two_nodes("limits: {insertion_buffer: 1}\n")),
               HasSubstr("'1' is out of range; allowed: a whole number, 2 to 1024"));
   EXPECT_THAT(refusal_of(two_nodes("limits: {clients: 2.5}\n")), HasSubstr("'2.5' is not a whole number"));
@@ -155,7 +155,7 @@ TEST(WrongEntry, FlagThatIsNeitherTrueNorFalse) {
               HasSubstr("'realtime.lock_memory': 'yes' is unknown; allowed: false, true"));
 }
 
-TEST(WrongEntry, CoresThatAreNone) {
+TEST(WrongEntry, InvalidCores) {
   EXPECT_THAT(refusal_of(two_nodes("realtime: {cores: 1}\n")),
               HasSubstr("'realtime.cores': '1' is unknown; allowed: auto, or a list of CPU cores"));
   EXPECT_THAT(refusal_of(two_nodes("realtime: {cores: [0, -1]}\n")),
@@ -170,7 +170,7 @@ TEST(WrongEntry, RingNameMissingOrUnfit) {
       AllOf(StartsWith("ring.yaml:1:7: entry 'ring': 'a/b' is not a name"), HasSubstr("allowed: 1 to 32 letters")));
 }
 
-TEST(WrongEntry, IdleThatIsNoSignOfLife) {
+TEST(WrongEntry, IdleTooLongForSilence) {
   EXPECT_THAT(refusal_of(two_nodes("timeouts: {idle: 140ms}\n")),
               AllOf(StartsWith("ring.yaml:6:18: entry 'timeouts.idle': idle 140ms is too long for "
                                "silence 250ms"),

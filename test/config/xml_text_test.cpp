@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char* kReplaced = "\xEF\xBF\xBD";  // U+FFFD
 
-TEST(XmlText, EscapesWhatXmlHasForItself) {
+TEST(XmlText, EscapesTheSpecialCharactersOfXml) {
   EXPECT_EQ(xml_text("a < b && \"c\" > d\n"), "a &lt; b &amp;&amp; &quot;c&quot; &gt; d\n");
 }
 
@@ -23,7 +23,7 @@ TEST(XmlText, ReplacesControlCharactersThatXmlForbids) {
   EXPECT_EQ(xml_text("\t\n"), "\t\n");
 }
 
-TEST(XmlText, ReplacesBytesThatAreNoUtf8AndNothingBesides) {
+TEST(XmlText, ReplacesOnlyBytesThatAreNotUtf8) {
   EXPECT_EQ(xml_text("a\xFF<"), std::string("a") + kReplaced + "&lt;");
   EXPECT_EQ(xml_text("a\xC3<"), std::string("a") + kReplaced + "&lt;");
   EXPECT_EQ(xml_text("\xE8\x86"), std::string(kReplaced) + kReplaced);

@@ -25,7 +25,7 @@ std::uint64_t layout_of(Member<Value> member) {
   return layout.value();
 }
 
-TEST(StateLayout, DiffersWithANameNotWithAValueOrWithWhereTheNameStands) {
+TEST(StateLayout, DiffersWithANameButNotWithAValueOrThePlaceOfTheName) {
   const char here[] = "hop\0here", there[] = "hop\0there";
   EXPECT_EQ(layout_of(Member<>{here, 1}), layout_of(Member<>{there, 2}));
   EXPECT_NE(layout_of(Member<>{"hop", 1}), layout_of(Member<>{"hob", 1}));
@@ -54,7 +54,7 @@ struct FilledLine {
   }
 };
 
-TEST(State, HasTheSlicesThatNobodyHasWritten) {
+TEST(State, HasTheSlicesThatAreNotYetWritten) {
   FilledLine before, after;
   const Bytes data = pattern(8);
   before.line.put(wire::SliceKind::more, {data.data(), data.size()});
@@ -87,7 +87,7 @@ TEST(State, ThatEndsInsideAByteViewIsRefused) {
   EXPECT_TRUE(after.value.empty());
 }
 
-TEST(State, ThatSaysOfMoreThanItHasIsRefusedBeforeThereIsRoomForIt) {
+TEST(State, WithALengthBeyondItsEndIsRefusedBeforeMemoryIsReserved) {
   Member<std::vector<std::uint8_t>> before{"many", {1, 2, 3}}, after{"many", {}};
   const Bytes whole = bytes_of(before);
   StateReader reader({whole.data(), whole.size() - 1});
@@ -156,7 +156,7 @@ TEST(State, HasThePacketThatIsComingIn) {
   EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
 }
 
-TEST(State, HasThePacketThatIsComingInAlsoWhereItGoesNowhereAnyMore) {
+TEST(State, HasThePacketThatIsComingInEvenIfItIsNoLongerPassedOn) {
   SoloNode before;
   const Bytes packet = Foreign{0, 1}.with(pattern(22));
   before.join();
@@ -188,7 +188,7 @@ TEST(State, HasThePacketThatTheCpuHasNotTaken) {
   EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
 }
 
-TEST(State, HasTheEventsThatNobodyHasTaken) {
+TEST(State, HasTheEventsThatAreNotYetTaken) {
   EventQueue before, after;
   before.put(Time{}, BeaconHome{Duration{5us}});
   read_state(bytes_of(before), after);
@@ -198,7 +198,7 @@ TEST(State, HasTheEventsThatNobodyHasTaken) {
   EXPECT_EQ(std::get<BeaconHome>(event.what).round_trip, Duration{5us});
 }
 
-TEST(State, HasThePinOfWhichNobodyHasBeenTold) {
+TEST(State, HasThePinThatIsNotYetReported) {
   EventQueue before, after;
   before.put(Time{}, PinPulled{wire::Factor{3}, 7_id});
   read_state(bytes_of(before), after);
@@ -208,7 +208,7 @@ TEST(State, HasThePinOfWhichNobodyHasBeenTold) {
   EXPECT_EQ(std::get<PinPulled>(event.what).source, 7);
 }
 
-TEST(State, HasTheNodeOfWhichABeaconSaysSomethingNew) {
+TEST(State, HasTheNodeWhoseBeaconHasNews) {
   EventQueue before, after;
   before.put(Time{}, PeerChanged{7_id});
   read_state(bytes_of(before), after);
@@ -217,7 +217,7 @@ TEST(State, HasTheNodeOfWhichABeaconSaysSomethingNew) {
   EXPECT_EQ(std::get<PeerChanged>(event.what).node, 7);
 }
 
-TEST(State, HasAChangeOfTheStateThatNobodyHasTaken) {
+TEST(State, HasAStateChangeThatIsNotYetTaken) {
   EventQueue before, after;
   before.put(Time{}, StateChanged{NodeState::joining, NodeState::open_chain});
   read_state(bytes_of(before), after);

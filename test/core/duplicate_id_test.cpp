@@ -17,7 +17,7 @@ struct DuplicateId : testing::Test {
   NodeState state(NodeId place) { return ring.node(place).membership().state(); }
 };
 
-TEST_F(DuplicateId, BothNodesSaySoAndTheOthersWork) {
+TEST_F(DuplicateId, BothNodesReportItAndTheOthersWork) {
   ring.run_for(2s);
   EXPECT_EQ(state(3_id), NodeState::duplicate_id);
   EXPECT_EQ(state(4_id), NodeState::duplicate_id);

@@ -82,7 +82,7 @@ TEST_F(ExactlyOnce, DamagedFirstTryLeavesNoTrace) {
 }
 
 // Numbers wrap unseen behind a line that is down for long.
-TEST_F(ExactlyOnce, AFirstTryIsNewWhereItsNumberWasDecidedLongerAgoThanATimeOut) {
+TEST_F(ExactlyOnce, AFirstTryIsNewIfItsNumberWasDecidedLongerAgoThanATimeOut) {
   pass({0, 1, 5}, text("first"));
   solo.run_for(solo.node().settings().send_timeout());
   pass({0, 1, 5}, text("first"));
@@ -135,7 +135,7 @@ TEST_F(Incarnations, AHelloBeginsNewNumbers) {
   EXPECT_EQ(solo.counters().pins_pulled, 2u);
 }
 
-TEST_F(Incarnations, ABeaconBeginsNewNumbersWhereTheHelloWasMissed) {
+TEST_F(Incarnations, ABeaconBeginsNewNumbersIfTheHelloWasMissed) {
   data(7, "before any word of it");
   beacon(7, 0);
   EXPECT_TRUE(solo.node().membership().peers()[0_id].beacon_heard);
@@ -145,7 +145,7 @@ TEST_F(Incarnations, ABeaconBeginsNewNumbersWhereTheHelloWasMissed) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("before any word of it"), text("eight")));
 }
 
-TEST_F(Incarnations, APacketBeginsNewNumbersWhereHelloAndBeaconWereMissed) {
+TEST_F(Incarnations, APacketBeginsNewNumbersIfHelloAndBeaconWereMissed) {
   beacon(7, 0);
   data(7, "seven");
   data(8, "eight");
@@ -183,7 +183,7 @@ TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("eight")));
 }
 
-TEST_F(Incarnations, ABootNumberLowerByAThousandIsEarlierByMoreTheClockWasSetBack) {
+TEST_F(Incarnations, ABootNumberLowerByAThousandIsEarlierAndByMoreMeansThatTheClockWasSetBack) {
   hello(3000);
   hello(2000);
   EXPECT_EQ(solo.counters().earlier_incarnation, 1u);
@@ -193,7 +193,7 @@ TEST_F(Incarnations, ABootNumberLowerByAThousandIsEarlierByMoreTheClockWasSetBac
 }
 
 // Once a beacon has told of an incarnation, one with the same two bits is four later.
-TEST_F(Incarnations, APacketOfTheFourthAfterOneThatABeaconToldOfIsNew) {
+TEST_F(Incarnations, APacketOfTheFourthIncarnationAfterTheOneInABeaconIsNew) {
   beacon(1000, 0);
   data(1001, "first");
   beacon(1001, 1);
@@ -202,7 +202,7 @@ TEST_F(Incarnations, APacketOfTheFourthAfterOneThatABeaconToldOfIsNew) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("first"), text("another")));
 }
 
-TEST_F(Incarnations, NorIsAPacketKnownOfTheFourthAfterOneThatAHelloToldOf) {
+TEST_F(Incarnations, APacketOfTheFourthIncarnationAfterTheOneInAHelloIsNew) {
   hello(1000);
   data(1000, "first");
   beacon(1004, 1);
@@ -283,7 +283,7 @@ TEST_F(Incarnations, ANodeThatWasBypassedKnowsNoNumbersOfData) {
 }
 
 // A process that was restarted may have the same two bits by chance: its hello tells.
-TEST_F(Incarnations, AHelloBeginsNewNumbersAlsoWhereTheTwoBitsAreTheSame) {
+TEST_F(Incarnations, AHelloBeginsNewNumbersEvenIfTheTwoBitsAreTheSame) {
   data(4, "four");
   hello(4 + 4);
   data(4 + 4, "eight");
@@ -327,7 +327,7 @@ TEST(ExactlyOnceJoining, OwnPacketsAreOnlyStripped) {
 }
 
 // It may have been in the other part of a ring that was broken twice, and a first try taken before this node started.
-TEST(UnheardSource, ARetryOfItIsNotAnsweredWhereTheRingFoldsBack) {
+TEST(UnheardSource, ARetryOfItIsNotAnsweredIfTheRingFoldsBack) {
   SoloNode solo(Duration{0}, [](Settings& s) { s.fold_back = true; });
   solo.join();
   solo.line();
@@ -341,7 +341,7 @@ TEST(UnheardSource, ARetryOfItIsNotAnsweredWhereTheRingFoldsBack) {
   EXPECT_EQ(solo.counters().pins_pulled, 1u) << "a first try is";
 }
 
-TEST(UnheardSource, ARetryOfItIsCountedAlsoWhereItIsForAnother) {
+TEST(UnheardSource, ARetryOfItIsCountedEvenIfItIsForAnother) {
   SoloNode solo(Duration{0}, [](Settings& s) { s.fold_back = true; });
   solo.join();
   solo.receive(SliceKind::whole, Foreign{0, 2}.with_attempt(1).with(text("x")));

@@ -82,7 +82,7 @@ TEST_P(AnyPlace, ACutCableLeavesAllReachingAll) {
   expect_all_reach_all();
 }
 
-TEST_P(AnyPlace, ABreakOneWayIsToldToTheNodeBeforeItOverTheSecondLine) {
+TEST_P(AnyPlace, ABreakInOneDirectionIsReportedToTheNodeBeforeItOverTheSecondLine) {
   ring.cut(before);
   ring.run_for(30ms);
   expect_all(NodeState::folded);
@@ -120,7 +120,7 @@ TEST_P(AnyPlace, HealsWithoutLosingAPacket) {
   EXPECT_EQ(all(&Counters::insertion_buffer_full), 0u);
 }
 
-TEST_P(AnyPlace, HealsOneWayToo) {
+TEST_P(AnyPlace, HealsABreakInOneDirectionToo) {
   ring.cut(before);
   ring.run_for(30ms);
   ring.heal(before);
@@ -131,7 +131,7 @@ TEST_P(AnyPlace, HealsOneWayToo) {
 }
 
 // The node before the break may still say that it has turned back: it is not asked about the line.
-TEST_P(AnyPlace, TheNodeBehindTheBreakIsBelievedThatItIsMended) {
+TEST_P(AnyPlace, TheNodeBehindTheBreakIsBelievedWhenItReportsTheMend) {
   ring.cut(before);
   ring.run_for(30ms);
   unsigned told = 0, believed = 0;
@@ -240,7 +240,7 @@ TEST_F(FoldBackTest, ADeadNodeIsLeftAsideNotFoldedAround) {
   }
 }
 
-TEST_F(FoldBackTest, ABypassIsToldByTheNodesOnBothSidesOfIt) {
+TEST_F(FoldBackTest, ABypassIsReportedByTheNodesOnBothSidesOfIt) {
   ring.kill(4_id);
   ring.run_for(30ms);
   EXPECT_EQ(membership(6_id).peers()[5_id].beacon.input_from, 3);
@@ -295,7 +295,7 @@ TEST_F(FoldBackTest, ANodeStartedBehindABreakJoins) {
 }
 
 // A line that is gone for less than a `begin` takes to come round: the node behind says `hears` once, and is done.
-TEST_F(FoldBackTest, AHearsThatIsLostIsSaidAgain) {
+TEST_F(FoldBackTest, AHearsWordThatIsLostIsSentAgain) {
   bool lost = false;
   const auto lose_one = [&lost](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
     const auto word = wire::fold_word(slice);

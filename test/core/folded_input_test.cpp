@@ -68,7 +68,7 @@ TEST_F(FoldedAtNodeOne, ANodeThatGoesOnFromAStateWaitsForTheEndOfWhatComesInOnTh
   EXPECT_EQ(other.input_line(), Line::second);
 }
 
-TEST_F(FoldedAtNodeOne, HoldsSixtyFourKibibytesOfTheFirstLineAndDropsThemWhereMoreCome) {
+TEST_F(FoldedAtNodeOne, HoldsSixtyFourKibibytesOfTheFirstLineAndDropsThemIfMoreCome) {
   const Bytes packet = Foreign{7, 2}.with(pattern(512));
   node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
   const auto hold = [&](std::size_t bytes) {

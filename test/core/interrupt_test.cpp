@@ -68,7 +68,7 @@ TEST_F(Interrupts, PinsArePulledAtANodeWhoseCpuIsGone) {
   EXPECT_THAT(pins(ring.log(2_id)), ElementsAre(0));
 }
 
-TEST_F(Interrupts, EverySecondOneToTheSamePinPullsItAgain) {
+TEST_F(Interrupts, EachOneToTheSamePinPullsItAgain) {
   for (int i = 0; i < 20; ++i) outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 1));
   EXPECT_EQ(pins(ring.log(2_id)).size(), 20u);
 }

@@ -19,7 +19,7 @@ TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
   EXPECT_FALSE(second().empty());
 }
 
-TEST_F(LoneFold, SoHasAWordOfTheNextNodeWhereThatIsBypassed) {
+TEST_F(LoneFold, AWordOfTheNextNodeHasComeRoundIfThatNodeIsBypassed) {
   node.apply(input::InputUp{Line::second, 6_id}, Time{});
   hear(wire::FoldWordKind::begin, 5_id);
   EXPECT_TRUE(second().empty());
@@ -149,7 +149,7 @@ TEST_F(LoneFold, AFoldNodeIsForgottenAfterFiveBeaconPeriodsAndThatIsTold) {
 }
 
 // Its first output was never there, so it may be one that only starts later than the others.
-TEST(FoldPermission, ANodeFoldsSoLongAfterItsStartThoughItsFirstLinesWereNeverBothUp) {
+TEST(FoldPermission, ANodeMayFoldATimeAfterItsStartEvenIfItsFirstLinesWereNeverBothUp) {
   const Settings settings = LoneFold::settings();
   NetworkController node(settings, Time{});
   node.apply(input::InputUp{Line::first, 3_id}, Time{});
@@ -184,7 +184,7 @@ TEST(FoldPermission, ANodeThatTurnedBackBeforeSaysItsWordsWhenItMayFold) {
   }
 }
 
-TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
+TEST_F(LoneFold, AWordOfAnUnknownNodeIsIgnored) {
   hear(wire::FoldWordKind::begin, 200_id);
   EXPECT_TRUE(second().empty());
   EXPECT_EQ(node.counters().fold_discarded, 1u);

@@ -34,7 +34,7 @@ TEST_F(LoneMember, KnowsNoRingSizeBeforeAPacketOfItsOwnIsHome) {
   EXPECT_EQ(membership().ring_size(), 4u);
 }
 
-TEST_F(LoneMember, IsAloneWhereItsPacketsPassNobodyElse) {
+TEST_F(LoneMember, IsAloneIfItsPacketsPassNobodyElse) {
   solo.join();
   lap(0);
   EXPECT_EQ(state(), NodeState::alone);
@@ -92,7 +92,7 @@ TEST_F(LoneMember, CountsWhatIsNeitherHelloNorBeacon) {
   EXPECT_EQ((wire::PacketFields{{passed.data(), passed.size()}}.fbc()), wire::kFbcMax) << "it is taken all the same";
 }
 
-TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
+TEST_F(LoneMember, SendsItsBeaconWithAnothersIfItIsDueWithinHalfAPeriod) {
   SoloNode talking(Duration{0}, [](Settings& s) { s.beacon = 100ms; });
   talking.join();
   const auto beacons_sent = [&] { return talking.counters().sent_data - talking.counters().hellos; };
@@ -152,7 +152,7 @@ TEST(Hello, GoesIntoAnOpenChainFromANodeThatNeverHadBothLines) {
 }
 
 // Only two parts of a ring that was folded grow together; others are nodes that start.
-TEST(Hello, IsNotSaidAgainWhereARingThatWasNeverFoldedGrows) {
+TEST(Hello, IsNotSaidAgainIfARingThatWasNeverFoldedGrows) {
   SoloNode solo(Duration{0}, [](Settings& s) { s.fold_back = true; });
   solo.run();
   solo.receive(wire::SliceKind::whole, SoloNode::home(solo.line().at(0).bytes, wire::kFbcMax, 1));
@@ -166,7 +166,7 @@ TEST(Hello, IsNotSaidAgainWhereARingThatWasNeverFoldedGrows) {
 }
 
 // Said again at once, the hellos of all nodes filled the ring.
-TEST(Hello, IsSaidOncePerTryTimeOutWhereALineDamagesEveryPacket) {
+TEST(Hello, IsSaidOncePerTryTimeOutIfALineDamagesEveryPacket) {
   VirtualRing ring(quick(4));
   ring.tap(2_id, damage(1000000, 5, is_data));
   ring.run_for(1s);

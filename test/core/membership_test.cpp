@@ -205,7 +205,7 @@ TEST_F(Membership16, TheFirstNodesBeaconTakesAllOthersAlong) {
   EXPECT_EQ(begin_in(100ms + Duration(100ms) / 64), all);
 }
 
-TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {
+TEST_F(Membership16, NewsIsAnEventAndRepetitionIsNot) {
   ASSERT_TRUE(ring.join());
   ring.run_for(500ms);
   const auto news = [&] {

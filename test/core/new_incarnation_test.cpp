@@ -289,7 +289,7 @@ TEST_F(ExactlyOnceRing, SixSendsWithoutAVerdictAreFollowedByANewHello) {
   EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("b"))).outcome, Outcome::delivered);
 }
 
-TEST_F(ExactlyOnceRing, SoAreSixThatAreLost) {
+TEST_F(ExactlyOnceRing, SixLostSendsAreFollowedByANewHelloToo) {
   const auto hellos = ring.counters(0_id).hellos;
   ring.tap(3_id, lose(6 * 4, is_interrupt));
   for (int i = 0; i < 6; ++i) {

@@ -68,7 +68,7 @@ TEST(OpenChainFromTheStart, KnowsTheSizeOfTheRingOnceItIsClosed) {
   EXPECT_EQ(one.ring_size(), kChainNodes);
 }
 
-TEST_F(OpenChain, SendsArriveWhereAWayIsLeftAndAllEndUnconfirmed) {
+TEST_F(OpenChain, SendsArriveIfAWayIsLeftAndAllEndUnconfirmed) {
   cut();
   EXPECT_EQ(outcome_of(ring, 4_id, ring.send(4_id, 1_id, text("down the chain"))).outcome, Outcome::unconfirmed);
   EXPECT_EQ(outcome_of(ring, 1_id, ring.send(1_id, 4_id, text("no way"))).outcome, Outcome::unconfirmed);

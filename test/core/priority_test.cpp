@@ -135,7 +135,7 @@ TEST_F(OwnAndForeign, WhatMovesUpInItsQueueGoesBehindWhatHasComeInBefore) {
   EXPECT_THAT(sources(), ElementsAre(0, 1));
 }
 
-TEST_F(OwnAndForeign, SoDoesWhatMovesUpBehindASendThatIsOverdue) {
+TEST_F(OwnAndForeign, WhatMovesUpBehindAnOverdueSendGoesBehindItToo) {
   solo.node().set_output_ready(false);
   send(1);
   solo.run_for(1us);

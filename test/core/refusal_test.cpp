@@ -175,7 +175,7 @@ TEST_F(FreeBuffers, ReceiverWritesItsFreeBuffersBeforeTakingThisOne) {
 
 TEST_F(FreeBuffers, BroadcastCarriesTheMinimumOfAllReceivers) { EXPECT_EQ(fbc_after(wire::kBroadcast), 3); }
 TEST_F(FreeBuffers, AtMost254IsWritten) { EXPECT_EQ(fbc_after(3_id), 254); }
-TEST_F(FreeBuffers, NobodyWritesWhereNobodyIsAddressed) { EXPECT_EQ(fbc_after(0_id), wire::kFbcUntaken); }
+TEST_F(FreeBuffers, NobodyWritesIfNobodyIsAddressed) { EXPECT_EQ(fbc_after(0_id), wire::kFbcUntaken); }
 
 TEST(RefusalAlone, AtItsDeadlineIsTheEnd) {
   SoloNode solo;

@@ -78,7 +78,7 @@ TEST_F(Retry, InterruptsAreTriedAgainAsDataIs) {
   EXPECT_THAT(solo.ends(), ElementsAre(Field(&SendEnded::outcome, Outcome::lost)));
 }
 
-TEST_F(Retry, TimeOutIsTwoWorstLapsWhereThatIsLonger) {
+TEST_F(Retry, TimeOutIsTwoWorstLapsIfThatIsLonger) {
   SoloNode slow(100us);
   const Duration two_laps = 2 * 4 * (100us * (524 + 12));
   ASSERT_GT(two_laps, slow.node().settings().send_timeout_least);

@@ -53,7 +53,7 @@ TEST_F(RingInParts, WhatComesBehindTheWordOfAnotherFoldNodeIsTakenAgain) {
   EXPECT_EQ(node.counters().pins_pulled, 1u);
 }
 
-TEST_F(RingInParts, AFoldNodeIsForgottenWhereTheOwnWordComesRound) {
+TEST_F(RingInParts, AFoldNodeIsForgottenIfTheOwnWordComesRound) {
   hear(FoldWordKind::begin, 6_id);
   node.output(Line::second).clear();
   hear(FoldWordKind::begin, 4_id);
@@ -322,7 +322,7 @@ TEST_F(PartOfSeveralHosts, ARetryOfANodeThatWasOutOfReachIsNotTaken) {
   EXPECT_EQ(solo.counters().retries_of_unheard_nodes, 1u);
 }
 
-TEST_F(PartOfSeveralHosts, NorWithinTheTimeOfFourTriesIfItHasBeenHeardSince) {
+TEST_F(PartOfSeveralHosts, ARetryIsNotTakenWithinTheTimeOfFourTriesAfterTheNodeWasHeardAgain) {
   Bytes hello(wire::kHelloSize);
   wire::encode(wire::Hello{50}, hello.data());
   solo.receive(SliceKind::whole, Foreign{0, wire::kBroadcast}.with_pri(kControlPri).with(hello));

@@ -44,7 +44,7 @@ TEST_F(Sending, RoundTripIsTheTimeFromFirstByteToReturn) {
   EXPECT_EQ(send(0_id, 1_id, text("a")).round_trip, 4us);
 }
 
-TEST_F(Sending, FirstTryIsTheOnlyOneWhereNothingFails) { EXPECT_EQ(send(0_id, 2_id, text("a")).tries, 1u); }
+TEST_F(Sending, FirstTryIsTheOnlyOneIfNothingFails) { EXPECT_EQ(send(0_id, 2_id, text("a")).tries, 1u); }
 
 // What comes in behind it at the same instant does not go first.
 TEST(SendingAlone, WhatHasComeHomeLetsTheNextOneGoAtOnce) {
@@ -182,7 +182,7 @@ TEST(LateTurn, LeavesAPacketAtTheInstantItWasAskedFor) {
   EXPECT_EQ(solo.node().next_deadline(asked + 1us), asked + words);
 }
 
-TEST(LateTurn, LeavesTheHelloWhereTheLinesCameUp) {
+TEST(LateTurn, LeavesTheHelloAtTheInstantTheLinesCameUp) {
   SoloNode solo(1us);
   const Duration words = 1us * (4 + wire::kHelloSize / 4 * 4);
   solo.node().run(solo.now() + 3us);

@@ -15,7 +15,7 @@ Refusal judge(std::uint8_t from, std::optional<std::uint8_t> present, std::uint6
   return Admission({kRing, 3}, {5, 1, 3, 9}).judge(connect, present);
 }
 
-TEST(Admission, LetsAnyNodeOfTheRingInWhereThereIsNobody) {
+TEST(Admission, AcceptsAnyNodeOfTheRingIfThereIsNone) {
   for (const std::uint8_t from : {5, 1, 3, 9}) EXPECT_EQ(judge(from, {}), Refusal::none);
 }
 

@@ -26,7 +26,7 @@ TEST(YieldTimes, AllSleepAtTheBeginOfAPeriod) {
   EXPECT_FALSE(times.due(at(YieldTimes::kPeriod), true));
 }
 
-TEST(YieldTimes, IsGivenUpForAPeriodWhereNothingComesOfIt) {
+TEST(YieldTimes, IsGivenUpForAPeriodIfItIsInVain) {
   YieldTimes times;
   ASSERT_TRUE(times.due(at(milliseconds(10)), true));
   times.was_useful(at(milliseconds(12)));
@@ -36,7 +36,7 @@ TEST(YieldTimes, IsGivenUpForAPeriodWhereNothingComesOfIt) {
   EXPECT_TRUE(times.due(at(YieldTimes::kPeriod + YieldTimes::kSleepFor), true));
 }
 
-TEST(YieldTimes, IsOnceAPeriodWhereItIsNotUseful) {
+TEST(YieldTimes, IsOnceAPeriodIfItIsNotUseful) {
   YieldTimes times;
   EXPECT_TRUE(times.due(at(milliseconds(0)), false));
   times.was_useful(at(milliseconds(1)));
@@ -44,7 +44,7 @@ TEST(YieldTimes, IsOnceAPeriodWhereItIsNotUseful) {
   EXPECT_TRUE(times.due(at(YieldTimes::kPeriod), false));
 }
 
-TEST(YieldTimes, PausesWhereSomethingComputesTwiceAsLongEachTime) {
+TEST(YieldTimes, PausesIfSomethingComputesTwiceAsLongEachTime) {
   YieldTimes times;
   const auto slow = YieldTimes::kLongestRound + milliseconds(1);
   Time now = at(milliseconds(10));
@@ -105,7 +105,7 @@ TEST_F(CoreSharingOnOneCore, SleepsAtTheBeginOfAPeriod) {
   sharing.end();
 }
 
-TEST_F(CoreSharingOnOneCore, SleepsWhereAnAnswerIsDueButOnceAPeriod) {
+TEST_F(CoreSharingOnOneCore, SleepsIfAnAnswerIsDueButOnceAPeriod) {
   sharing.begin();
   sharing.let_others_run(ahead(milliseconds(10)), true);
   EXPECT_TRUE(sharing.have_run());
@@ -128,7 +128,7 @@ TEST_F(CoreSharingOnOneCore, KeepsThePolicyItWasGiven) {
   ::sched_setscheduler(0, SCHED_OTHER, &ordinary);
 }
 
-TEST_F(CoreSharingOnOneCore, LetsOthersRunOnceAPeriodWhereThereAreCoresToChooseFrom) {
+TEST_F(CoreSharingOnOneCore, LetsOthersRunOnceAPeriodIfThereAreCoresToChooseFrom) {
   if (CPU_COUNT(&before) == 1) GTEST_SKIP() << "there is one core";
   ASSERT_EQ(::sched_setaffinity(0, sizeof before, &before), 0);
   sharing.begin();

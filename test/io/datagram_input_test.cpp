@@ -165,7 +165,7 @@ TEST_F(DatagramInputFromHand, RefusesANodeThatIsFartherAway) {
   EXPECT_EQ(report.counters.refused, 1u);
 }
 
-TEST_F(DatagramInputFromHand, TellsANodeWhoseOfferCameToNothingSinceANearerOneCameIn) {
+TEST_F(DatagramInputFromHand, TellsANodeThatANearerOneTookItsPlace) {
   while (input.from()) tick();
   const std::uint64_t farther = ask_for_session(5, 2);
   session = ask_for_session(8);
@@ -191,7 +191,7 @@ TEST_F(DatagramInputFromHand, AnswersAnotherVersionOnceATick) {
   EXPECT_EQ(answers.front().refusal, Refusal::wrong_version);
 }
 
-TEST_F(DatagramInputFromHand, MakesAGapOfAGarbledDatagram) {
+TEST_F(DatagramInputFromHand, TurnsAGarbledDatagramIntoAGap) {
   LinkHeader h = header(LinkHeaderType::slices, session);
   h.sequence = 2;
   const std::vector<std::uint8_t> garbage(10, 0xEE);
@@ -202,7 +202,7 @@ TEST_F(DatagramInputFromHand, MakesAGapOfAGarbledDatagram) {
   EXPECT_EQ(input.from(), 0);
 }
 
-TEST_F(DatagramInputFromHand, MakesAGapOfADatagramWithoutASlice) {
+TEST_F(DatagramInputFromHand, TurnsADatagramWithoutASliceIntoAGap) {
   LinkHeader h = header(LinkHeaderType::slices, session);
   h.sequence = 2;
   send(h);
@@ -228,7 +228,7 @@ TEST_F(DatagramInputFromHand, TellsThatItLivesAndIsLostOnSilence) {
   EXPECT_EQ(report.counters.silences, 1u);
 }
 
-TEST_F(DatagramInputFromHand, IsLostWhereNothingButOldDatagramsCome) {
+TEST_F(DatagramInputFromHand, IsLostIfNothingButOldDatagramsCome) {
   datagram(1u << 30, 2);  // somebody's, of the session, and far ahead
   for (std::uint32_t i = 2; i <= 4; ++i) {
     datagram(i, {});

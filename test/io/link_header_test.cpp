@@ -32,7 +32,7 @@ TEST(LinkHeader, ComesBackFromItsBytes) {
   EXPECT_EQ(header->refusal, Refusal::busy);
 }
 
-TEST(LinkHeader, IsRefusedWhereItIsShortOrOfAnotherKindOrVersion) {
+TEST(LinkHeader, IsRefusedIfItIsShortOrOfAnotherKindOrVersion) {
   const auto good = encode(example());
   EXPECT_FALSE(parse_header({good.data(), good.size() - 1}));
   for (const std::size_t at : {0, 1, 2, 3, 25}) {

@@ -109,7 +109,7 @@ TEST_F(MemoryInputFromHand, ABeatKeepsItAndSilenceEndsIt) {
   EXPECT_THAT(heard.log.back(), "lost: silent");
 }
 
-TEST_F(MemoryInputFromHand, TellsOfRoomWhereTheWriterWaits) {
+TEST_F(MemoryInputFromHand, TellsOfRoomIfTheWriterWaits) {
   connect();
   EXPECT_EQ(answer()->type, LinkHeaderType::accept);
   wire::SliceWriter slices;
@@ -143,7 +143,7 @@ TEST_F(MemoryInputFromHand, RefusesMemoryThatIsNotSealed) {
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("shared memory"));
 }
 
-TEST_F(MemoryInputFromHand, RefusesAtOnceWhateverIsNoPipe) {
+TEST_F(MemoryInputFromHand, RefusesAtOnceWhatIsNotAPipe) {
   const process::UniqueFd folder(::open("/", O_RDONLY | O_DIRECTORY));
   const process::UniqueFd event(::eventfd(0, EFD_NONBLOCK));
   for (const process::UniqueFd* other : {&folder, &event}) {
@@ -172,7 +172,7 @@ TEST_F(MemoryInputFromHand, IsWokenHoweverOftenItWasWokenBefore) {
   ASSERT_TRUE(rig.until([&] { return heard.slices.size() == 1; }));
 }
 
-TEST_F(MemoryInputFromHand, EndsTheLineOnAnIndexThatCannotBe) {
+TEST_F(MemoryInputFromHand, EndsTheLineOnAnImpossibleIndex) {
   connect();
   memory->control().written.store(1u << 30);
   pipe.wake();
@@ -181,7 +181,7 @@ TEST_F(MemoryInputFromHand, EndsTheLineOnAnIndexThatCannotBe) {
   EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("shared memory is invalid")));
 }
 
-TEST_F(MemoryInputFromHand, EndsTheLineOnWhatIsNoSlice) {
+TEST_F(MemoryInputFromHand, EndsTheLineOnAnInvalidSlice) {
   connect();
   const std::vector<std::uint8_t> garbage(50, 0xFF);
   queue.put({garbage.data(), garbage.size()});
@@ -290,7 +290,7 @@ TEST_F(MemoryOutputToHand, KeepsWhatThereIsNoRoomForUntilThereIs) {
   EXPECT_EQ(all, 620u * (524 + 4));
 }
 
-TEST_F(MemoryOutputToHand, EndsTheLineOnAnIndexThatCannotBe) {
+TEST_F(MemoryOutputToHand, EndsTheLineOnAnImpossibleIndex) {
   memory->control().read.store(1u << 30);
   write(1);
   ASSERT_TRUE(rig.until([&] { return rig.node(0).output->counters().queue_invalid == 1; }));

@@ -53,7 +53,7 @@ TEST_F(Queue, TakesWhatThereIsRoomForAndNoMore) {
   EXPECT_EQ(writer.put(view(bytes).from(4096)), 96);
 }
 
-TEST_F(Queue, TheReaderIsWokenOnceWhereItSleeps) {
+TEST_F(Queue, TheReaderIsWokenOnceIfItSleeps) {
   const auto bytes = numbered(10, 0);
   writer.put(view(bytes));
   EXPECT_FALSE(writer.must_wake()) << "it never said that it sleeps";
@@ -65,7 +65,7 @@ TEST_F(Queue, TheReaderIsWokenOnceWhereItSleeps) {
   EXPECT_FALSE(writer.must_wake());
 }
 
-TEST_F(Queue, TheWriterIsToldOfRoomWhereItWaits) {
+TEST_F(Queue, TheWriterIsToldOfRoomIfItWaits) {
   const auto bytes = numbered(5000, 0);
   writer.put(view(bytes));
   EXPECT_TRUE(writer.wait_for_room());
@@ -84,7 +84,7 @@ TEST_F(Queue, ABeatIsHeardOnce) {
   EXPECT_TRUE(writer.heard_beat());
 }
 
-TEST_F(Queue, AnIndexThatCannotBeIsNotBelieved) {
+TEST_F(Queue, AnImpossibleIndexIsNotBelieved) {
   std::uint8_t space[100];
   memory->control().written.store(QueueMemory::kSmallest + 1);
   EXPECT_EQ(reader.take(space, sizeof space), -1);
@@ -114,7 +114,7 @@ TEST_F(Queue, CarriesEverythingBetweenTwoThreads) {
   EXPECT_TRUE(right);
 }
 
-TEST(QueueMemory, OfAnotherProcessIsMappedWhereItsSizeIsSealed) {
+TEST(QueueMemory, OfAnotherProcessIsMappedIfItsSizeIsSealed) {
   const auto made = QueueMemory::make(1 << 14);
   ASSERT_TRUE(made);
   const auto opened = QueueMemory::open(process::UniqueFd(::dup(made->fd())));

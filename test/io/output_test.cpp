@@ -46,7 +46,7 @@ TEST_F(FullLine, IsNotReadyAndSaysWhenItIsAgain) {
   EXPECT_TRUE(rig.until([&] { return rig.node(1).heard.slices.size() == sent; }));
 }
 
-TEST_F(FullLine, TakesWhatIsWrittenAllTheSameUpToALimit) {
+TEST_F(FullLine, StillTakesWritesUpToALimit) {
   wire::SliceWriter one;
   put_whole(one, 524, 3);
   for (int i = 0; i < 100; ++i, ++sent) rig.node(0).output->write(one.view());
@@ -55,7 +55,7 @@ TEST_F(FullLine, TakesWhatIsWrittenAllTheSameUpToALimit) {
   EXPECT_EQ(rig.node(1).input->counters().malformed, 0u);
 }
 
-TEST_F(FullLine, IsLostWhereFarTooMuchIsWritten) {
+TEST_F(FullLine, IsLostIfFarTooMuchIsWritten) {
   wire::SliceWriter one;
   put_whole(one, 524, 3);
   for (int i = 0; i < 3000; ++i) rig.node(0).output->write(one.view());
@@ -117,7 +117,7 @@ std::vector<std::string> said_of(const std::vector<std::uint8_t>& answer) {
   return rig.node(0).said.refusals;
 }
 
-TEST(Output, SaysOnceThatItsNeighbourIsNoNode) {
+TEST(Output, SaysOnceThatItsNeighbourIsNotANode) {
   EXPECT_THAT(said_of(std::vector<std::uint8_t>(kLinkHeaderSize, 'x')), ElementsAre("1: peer is not a limb_ring node"));
 }
 

@@ -71,7 +71,7 @@ TEST_P(Loop, AsiosTimersRunWhilePacketsPass) {
   EXPECT_GT(calls, 1);
 }
 
-TEST_P(Loop, AllElseHasItsTurnsWhileOneAsksToBeCalledAgainInEach) {
+TEST_P(Loop, OthersGetTheirTurnsWhileOneAsksToBeCalledInEachTurn) {
   process::UniqueFd other(::eventfd(0, EFD_NONBLOCK));
   boost::asio::steady_timer timer(io, milliseconds(1));
   Watch busy;
@@ -167,7 +167,7 @@ TEST_F(LoopOnOneCore, LooksFirstWherePacketsHaveComeAndStillSeesWhatComesElsewhe
   EXPECT_EQ(looks, found);
 }
 
-TEST_P(Loop, NoCallAfterStopAlsoWhereBothWereReady) {
+TEST_P(Loop, NoCallAfterStopEvenIfBothWereReady) {
   process::UniqueFd other(::eventfd(0, EFD_NONBLOCK));
   Watch first, second;
   const auto stops = [&](Watch& another) {
@@ -197,7 +197,7 @@ TEST_P(Loop, AWatchMayBeEndedFromWithinItsOwnCall) {
   EXPECT_EQ(log, "still here");
 }
 
-TEST_P(Loop, EndsByItselfWhereNothingIsWatched) {
+TEST_P(Loop, EndsByItselfIfNothingIsWatched) {
   guard.cancel();
   Watch watch(io, fd.get(), EPOLLIN, [&](std::uint32_t) { watch.stop(); });
   signal();

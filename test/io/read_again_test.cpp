@@ -28,7 +28,7 @@ TEST(ReadAgain, GoesOnForAsLongAsItFindsSomething) {
   }
 }
 
-TEST(ReadAgain, EndsSoonWhereItFindsNothing) {
+TEST(ReadAgain, EndsSoonIfItFindsNothing) {
   ReadAgain again;
   for (int i = 0; i < 100; ++i) again.found(true);
   int in_vain = 0;

@@ -28,7 +28,7 @@ TEST(SequenceCheck, MissesTheFirstOfASessionToo) {
   EXPECT_EQ(check.check(3).lost, 2u);
 }
 
-TEST(SequenceCheck, GoesOnWhereTheNumbersWrap) {
+TEST(SequenceCheck, GoesOnWhenTheNumbersWrap) {
   SequenceCheck check;
   check.check(0x7FFFFFFF);
   check.check(0xFFFFFFFE);

@@ -27,7 +27,7 @@ TEST_F(SilenceAt20And60, IsBrokenByASign) {
   EXPECT_FALSE(tick(milliseconds(20)));
 }
 
-TEST_F(SilenceAt20And60, IsNotBlamedOnOthersByWhoWasAsleepItself) {
+TEST_F(SilenceAt20And60, IsNotBlamedOnOthersByAProcessThatWasNotScheduled) {
   tick(milliseconds(20));
   EXPECT_FALSE(tick(seconds(5)));
 }
@@ -40,7 +40,7 @@ TEST_F(SilenceAt20And60, KnowsThatThisEndStoodStillUntilItsNextTick) {
   EXPECT_FALSE(silence.stood_still(now));
 }
 
-TEST_F(SilenceAt20And60, IsOverWhereALastReadBringsSomething) {
+TEST_F(SilenceAt20And60, IsOverIfALastReadBringsSomething) {
   for (int i = 0; i < 3; ++i) tick(milliseconds(20));
   ASSERT_TRUE(tick(milliseconds(20)));
   EXPECT_TRUE(silence.still());

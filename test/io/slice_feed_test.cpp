@@ -71,7 +71,7 @@ TEST_F(Feed, TakesFullReadsWithoutLosingTheirEnds) {
   }
 }
 
-TEST_F(Feed, SaysWhatIsNoSlice) {
+TEST_F(Feed, SaysWhyBytesAreNotASlice) {
   const std::vector<std::uint8_t> garbage{'G', 'E', 'T', ' ', '/'};
   EXPECT_FALSE(give({garbage.data(), garbage.size()}));
   EXPECT_THAT(handler.log, IsEmpty());

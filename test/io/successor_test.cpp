@@ -80,7 +80,7 @@ TEST_F(SuccessorOfFour, TakesTheFirstThatAccepts) {
   EXPECT_THAT(tried(), IsEmpty());
 }
 
-TEST_F(SuccessorOfFour, MovesOnAtOnceWhereALostOneIsGone) {
+TEST_F(SuccessorOfFour, MovesOnAtOnceIfALostOneIsGone) {
   settle_on(0);
   pass(seconds(1));
   successor.lost(Successor::Loss::ended, now);
@@ -97,7 +97,7 @@ TEST_F(SuccessorOfFour, PassesAFrozenOneOverButKeepsAskingIt) {
   EXPECT_EQ(successor.current(), 0u);
 }
 
-TEST_F(SuccessorOfFour, PassesOverWhoLeavesAnAttemptUnanswered) {
+TEST_F(SuccessorOfFour, PassesOverANodeThatDoesNotAnswer) {
   pass(milliseconds(200));
   EXPECT_THAT(tried(), ElementsAre(0));
   pass(milliseconds(50));
@@ -131,7 +131,7 @@ TEST_F(SuccessorOfFour, AsksTheBypassedOnesAgainAndGoesBack) {
   EXPECT_THAT(tried(), IsEmpty());
 }
 
-TEST_F(SuccessorOfFour, WaitsBeforeItGoesBackToWhoTookANearerUpstream) {
+TEST_F(SuccessorOfFour, WaitsBeforeItReturnsToANodeThatTookANearerUpstream) {
   settle_on(1);
   pass(seconds(1));
   successor.lost(Successor::Loss::replaced, now);
@@ -157,7 +157,7 @@ TEST_F(SuccessorOfFour, TheConfiguredOneThatIsBusyForEverIsPassedOverUntilItAcce
   EXPECT_EQ(successor.current(), 0u);
 }
 
-TEST_F(SuccessorOfFour, AFartherOneThatIsBusyForEverIsPassedOverWhereNobodyNearerIsThere) {
+TEST_F(SuccessorOfFour, AFartherOneThatIsBusyForEverIsPassedOverIfNobodyNearerIsThere) {
   ASSERT_NO_FATAL_FAILURE(is_busy_for_long(1));
   EXPECT_FALSE(successor.says_busy(1, now));
   EXPECT_EQ(successor.next(now), 2u);

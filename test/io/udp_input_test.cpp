@@ -81,7 +81,7 @@ struct UdpInputFromHand : testing::Test {
 };
 
 // A bye would have found no room either.
-TEST_F(UdpInputFromHand, CountsAsGivenUpWhereItStoodStillAndItsSocketOverflowed) {
+TEST_F(UdpInputFromHand, CountsAsGivenUpIfItStoodStillAndItsSocketOverflowed) {
   const auto began = Clock::now();
   for (std::uint32_t i = 0; i < 5000; ++i) datagram(2 + i, std::uint8_t{1});
   std::this_thread::sleep_until(began + LinkRig::kQuick.silence);
@@ -114,7 +114,7 @@ TEST_F(PatientUdpInput, StandsStillWithoutBeingGivenUpThoughItsSocketOverflowedL
   EXPECT_TRUE(rig.node(1).input->up());
 }
 
-TEST_F(UdpInputFromHand, TakesRunsOfDatagramsInFewerReadsWhereTheKernelCan) {
+TEST_F(UdpInputFromHand, TakesRunsOfDatagramsInFewerReadsIfTheKernelCan) {
   OutputCounters sent;
   UdpBatch batch({LinkRig::kRing, 0}, sent);
   batch.start_session(session);
@@ -142,7 +142,7 @@ TEST_F(UdpInputFromHand, TakesTheSameDatagramsFromAKernelThatSendsThemSingly) {
   EXPECT_EQ(sent.writes, 5u);
 }
 
-TEST(UdpInputAddress, ThatIsNoNumberIsRefused) {
+TEST(UdpInputAddress, ThatIsNotNumericIsRefused) {
   LinkRig rig(1, Endpoint::Transport::udp);
   InputSettings settings = rig.input_settings(0);
   settings.endpoint.address = "localhost";

@@ -69,7 +69,7 @@ TEST_F(UnixInputFromHand, IsLostWhenNothingComesForTooLong) {
   EXPECT_EQ(counters().silences, 1u);
 }
 
-TEST_F(UnixInputFromHand, IsClosedOnWhatIsNoSlice) {
+TEST_F(UnixInputFromHand, IsClosedOnAnInvalidSlice) {
   const std::vector<std::uint8_t> garbage(50, 0xFF);
   send_now(line.get(), {garbage.data(), garbage.size()});
   ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));

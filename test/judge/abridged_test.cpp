@@ -124,17 +124,17 @@ std::optional<Record> forged(SliceKind kind, std::uint32_t size, std::size_t byt
   return reader.next();
 }
 
-TEST(Forged, isReadWhereItIsSound) { EXPECT_TRUE(forged(SliceKind::whole, 400)); }
-TEST(Forged, isNoneOfAnotherKind) {
+TEST(Forged, isReadIfItIsSound) { EXPECT_TRUE(forged(SliceKind::whole, 400)); }
+TEST(Forged, ofAnotherKindIsNotRead) {
   EXPECT_FALSE(forged(SliceKind::start, 400));
   EXPECT_FALSE(forged(SliceKind::interrupt, 12));
 }
-TEST(Forged, isNoneOfASizeThatNoPacketHas) {
+TEST(Forged, ofASizeThatNoPacketHasIsNotRead) {
   for (const std::uint32_t size :
        {std::uint32_t{0}, std::uint32_t{kLeastAbridged - 1}, std::uint32_t{wire::kMaxDataPacketSize + 1}, 0xFFFFFFFFu})
     EXPECT_FALSE(forged(SliceKind::whole, size)) << size;
 }
-TEST(Forged, isNoneThatIsCutOff) { EXPECT_FALSE(forged(SliceKind::whole, 400, kAbridgedSize - 1)); }
+TEST(Forged, thatIsCutOffIsNotRead) { EXPECT_FALSE(forged(SliceKind::whole, 400, kAbridgedSize - 1)); }
 
 }  // namespace
 }  // namespace limb_ring::recorder

@@ -17,7 +17,7 @@ TEST_F(JudgeTest, aPinThatIsPulledTwiceIsNamed) {
   EXPECT_EQ(breaches[0].node, 3);
 }
 
-TEST_F(JudgeTest, aPinThatIsPulledTwiceIsNamedAlsoWhereItsNodeStartsOverInBetween) {
+TEST_F(JudgeTest, aPinThatIsPulledTwiceIsNamedEvenIfItsNodeStartsOverInBetween) {
   interrupt(1, 3, 7, 4);
   pin(3, 1, 4);
   state(3, kStarting);
@@ -37,7 +37,7 @@ TEST_F(JudgeTest, anInterruptThatIsDeliveredAndPullsNoPinIsNamed) {
 }
 
 // What the receiver sees may be read before what the source asked for.
-TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverStartsOver) {
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantEvenIfTheReceiverStartsOver) {
   interrupt(1, 3, 14, 0);
   end_interrupt(1, 3, 14, Outcome::lost);
   rounds(20);
@@ -51,7 +51,7 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverStart
   EXPECT_THAT(broken(), IsEmpty());
 }
 
-TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverFreezesBehindIt) {
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantEvenIfTheReceiverFreezesBehindIt) {
   interrupt(1, 3, 14, 0);
   end_interrupt(1, 3, 14, Outcome::lost);
   rounds(20);
@@ -67,7 +67,7 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverFreez
   EXPECT_THAT(broken(), IsEmpty());
 }
 
-TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheSourceDiesBehindIt) {
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantEvenIfTheSourceDiesBehindIt) {
   pull_for_the_second_of_two();
   end_interrupt(1, 3, 15, Outcome::delivered);
   judge.ends(1);
@@ -75,7 +75,7 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheSourceDiesBeh
   EXPECT_THAT(broken(), IsEmpty());
 }
 
-TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuchLater) {
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantEvenIfTheOtherEndsMuchLater) {
   pull_for_the_second_of_two();
   rounds(20);
   end_interrupt(1, 3, 15, Outcome::delivered);
@@ -83,7 +83,7 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuch
   EXPECT_THAT(broken(), IsEmpty());
 }
 
-TEST_F(JudgeTest, ofAnInterruptToAllAndOneToANodeTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuchLater) {
+TEST_F(JudgeTest, ofAnInterruptToAllAndOneToANodeTheLostOneMayBeMeantEvenIfTheOtherEndsMuchLater) {
   interrupt(1, kAll, 14, 0);
   interrupt(1, 3, 15, 0);
   pin(3, 1, 0);
@@ -94,7 +94,7 @@ TEST_F(JudgeTest, ofAnInterruptToAllAndOneToANodeTheLostOneMayBeMeantAlsoWhereTh
   EXPECT_THAT(broken(), IsEmpty());
 }
 
-TEST_F(JudgeTest, ofAnInterruptToANodeAndOneToAllTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuchLater) {
+TEST_F(JudgeTest, ofAnInterruptToANodeAndOneToAllTheLostOneMayBeMeantEvenIfTheOtherEndsMuchLater) {
   interrupt(1, 3, 14, 0);
   interrupt(1, kAll, 15, 0);
   Observation passes = of(Kind::passed);
@@ -134,7 +134,7 @@ TEST_F(JudgeTest, aPinIsOfTheInterruptThatIsOutRatherThanOfOneThatNobodyTook) {
   EXPECT_THAT(broken(), IsEmpty());
 }
 
-TEST_F(JudgeTest, anInterruptThatPullsNoPinIsNamedAlsoWhereTheReceiverHadStartedOver) {
+TEST_F(JudgeTest, anInterruptThatPullsNoPinIsNamedEvenIfTheReceiverHadStartedOver) {
   interrupt(1, 3, 14, 0);
   pin(3, 1, 0);
   end_interrupt(1, 3, 14, Outcome::lost);

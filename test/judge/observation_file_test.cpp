@@ -40,7 +40,7 @@ TEST_F(ObservationFileTest, aReaderGetsAllFromWhereItBegan) {
   EXPECT_EQ(seen.front().token, 10u);
 }
 
-TEST_F(ObservationFileTest, whoIsTooSlowIsToldHowManyAreLost) {
+TEST_F(ObservationFileTest, aReaderThatIsTooSlowIsToldHowManyAreLost) {
   ObservationReader reader(path, 0);
   write(100000);
   const std::uint64_t lost = reader.read(seen);

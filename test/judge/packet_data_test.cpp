@@ -46,7 +46,7 @@ TEST(PacketData, isFilledInWhereverThePacketIs) {
   EXPECT_FALSE(data.knows(view(packet(3))));
 }
 
-TEST(PacketData, isMadeUpWhereNobodyKnowsIt) {
+TEST(PacketData, isMadeUpIfNobodyKnowsIt) {
   for (const std::size_t size : {kLeastAbridged - wire::kOverhead, std::size_t{101}, wire::kMaxPayload}) {
     PacketData data;
     Bytes made_up = without_data(packet(9, size));
@@ -74,7 +74,7 @@ TEST(PacketData, isNotThatOfAPacketOfAnotherSize) {
   EXPECT_FALSE(data.fill_in(other.data(), other.size()));
 }
 
-TEST(PacketData, isKeptOfTheNewestAlone) {
+TEST(PacketData, isKeptOnlyOfTheNewest) {
   PacketData data;
   data.keep(view(packet(1)));
   for (std::size_t size = 0; size < PacketData::kMost; ++size)

@@ -334,7 +334,7 @@ TEST_F(JudgeTest, lostObservationsSuspendJudgementAndAreCounted) {
   EXPECT_EQ(unjudged(Unjudged::receiver_restarted), 0u);
 }
 
-TEST_F(JudgeTest, whoHasNotReadForAMinuteSeesNodesAgainFromThenOn) {
+TEST_F(JudgeTest, aReaderThatPausedForAMinuteSeesNodesFromThenOn) {
   now += 60'000'000'000;
   judge.lost(1, 100'000);
   judge.lost(2, 100'000);
@@ -350,7 +350,7 @@ TEST_F(JudgeTest, whoHasNotReadForAMinuteSeesNodesAgainFromThenOn) {
   EXPECT_THAT(broken(), ElementsAre(Promise::undamaged));
 }
 
-TEST_F(JudgeTest, whoReadsSecondsInOneRoundCannotTellTheirOrder) {
+TEST_F(JudgeTest, aReaderOfSecondsInOneRoundCannotTellTheirOrder) {
   const auto empty = [this] {
     Observation seen = of(Kind::goes_on);
     seen.detail = 1;

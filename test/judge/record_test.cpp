@@ -71,13 +71,13 @@ TEST(Record, hasAllOfEachInput) {
   EXPECT_EQ(read_back(input::Run{}), "");
 }
 
-TEST(Record, ofALineThatNoRingHasIsNone) {
+TEST(Record, ofALineThatNoRingHasIsInvalid) {
   EXPECT_FALSE(again(core::Input{input::InputUp{kNoLine, wire::NodeId{9}}}));
   EXPECT_FALSE(again(core::Input{input::OutputReady{kNoLine, true}}));
   EXPECT_FALSE(again(Written{kNoLine, {}}));
 }
 
-TEST(Record, ofASliceThatNoLineCarriesIsNone) {
+TEST(Record, ofASliceThatNoLineCarriesIsInvalid) {
   const std::uint8_t bytes[7] = {};
   EXPECT_FALSE(again(core::Input{input::Receive{Line::first, {wire::SliceKind::start, {bytes, sizeof bytes}}}}));
   EXPECT_FALSE(again(core::Input{input::Receive{Line::first, {wire::SliceKind{99}, {}}}}));
@@ -96,7 +96,7 @@ TEST(Record, ofAPacketForTheCpuHasTheCrcOfItsData) {
   EXPECT_EQ(taken.crc, wire::crc32(packet.bytes()));
 }
 
-TEST(Record, thatIsEarlierThanTheOneBeforeIsNone) {
+TEST(Record, thatIsEarlierThanTheOneBeforeIsInvalid) {
   EXPECT_TRUE(again(core::Input{input::Run{}}, kNow, kNow - 1us));
   EXPECT_FALSE(again(core::Input{input::Run{}}, kNow - 1us, kNow));
 }
@@ -123,7 +123,7 @@ TEST(Record, mayBeAnyTimeLater) {
   }
 }
 
-TEST(Record, laterThanAnyRingLivesIsNone) {
+TEST(Record, laterThanAnyRingLivesIsInvalid) {
   EXPECT_FALSE(again(core::Input{input::Run{}}, kNow + core::Duration{20000 * 365 * 24h}, kNow));
 }
 

@@ -10,7 +10,7 @@
 namespace limb_ring::recorder {
 namespace {
 
-TEST(Replay, whatRandomFaultsHaveDoneToNodesIsHadAgain) {
+TEST(Replay, repeatsWhatRandomFaultsHaveDoneToNodes) {
   const char* fewer = std::getenv("LIMB_RING_REPLAYS");
   const std::uint64_t seeds = fewer ? std::strtoull(fewer, nullptr, 10) : 30;
   std::uint64_t halves = 0, lives = 0;

@@ -67,7 +67,7 @@ TEST_F(OldSaves, goBeforeTheNewOnesThoughTheClockWasSetBackBehindThem) {
   EXPECT_EQ(left(), (std::set<std::string>{before, newest}));
 }
 
-TEST_F(OldSaves, neverGoThatHaveJustBeenMade) {
+TEST_F(OldSaves, neverGoIfTheyHaveJustBeenMade) {
   make("leg-2030-01-01_000001_000-crash", 0);
   make("leg-2026-11-23_061508_123-crash", 1000);
   remove_old_saves(path("leg-2026-11-23_061508_123-crash"), "leg-", 1);

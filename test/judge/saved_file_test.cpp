@@ -242,7 +242,7 @@ TEST_F(SavedFile, isARegularFile) {
   EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("1.record: is not a file"));
 }
 
-TEST_F(SavedFile, ofOtherThingsIsNone) {
+TEST_F(SavedFile, ofOtherContentIsInvalid) {
   EXPECT_THAT(why_refused(folder_ / "nothing"), HasSubstr("no recordings are there"));
   std::ofstream(folder_ / "9.record") << std::string(100000, 'x');
   EXPECT_THROW(save_file((folder_ / "9.record").string(), saved("9.record")), std::runtime_error);

@@ -75,13 +75,13 @@ class Playground(unittest.TestCase):
         with mock.patch.dict(os.environ, PLAYGROUND=folder):
             return runpy.run_path(os.path.join(ROOT, 'docs', 'conf.py'))['_embed'](page, self.MARK)
 
-    def test_a_page_embeds_it_where_it_was_built(self):
+    def test_a_page_embeds_it_if_it_was_built(self):
         with tempfile.TemporaryDirectory() as built:
             text = self.embedded('tutorial/2_break_and_reset', built)
         self.assertIn('<iframe src="../playground/index.html#show=case&amp;pace=0.1" title="The &quot;worst&quot; case" loading="lazy"', text)
         self.assertRegex(text, r'(?s)^Before\.\n\n<details>.*</details>\n\nAfter\.\n$')
 
-    def test_a_page_says_nothing_of_it_where_it_was_not_built(self):
+    def test_a_page_does_not_mention_it_if_it_was_not_built(self):
         self.assertEqual(self.embedded('index', os.path.join(ROOT, 'nowhere')), 'Before.\n\n\nAfter.\n')
 
     def test_each_page_that_embeds_it_does_so_in_a_line_of_its_own(self):

@@ -40,7 +40,7 @@ TEST_F(CpuProcessTest, ResetKillsTheAttachedProcessThoughStopped) {
   EXPECT_EQ(status().state, wire::CpuState::absent);
 }
 
-TEST_F(CpuProcessTest, ResetSaysWhereNobodyRestartsTheAttachedProcess) {
+TEST_F(CpuProcessTest, ResetSaysIfNobodyRestartsTheAttachedProcess) {
   const Outsider process;
   start(outside());
   cpu->attached(process.pid(), kNobodyRestartsIt, 0ms);

@@ -46,7 +46,7 @@ TEST_F(BootRecordTest, ItIsTheLastOneNoted) {
   EXPECT_EQ(open().first(10), 1002u);
 }
 
-TEST_F(BootRecordTest, AFileThatHoldsNoNumberIsAsNone) {
+TEST_F(BootRecordTest, AFileWithoutANumberCountsAsMissing) {
   std::ofstream(folder / "7.boot") << "abc";
   EXPECT_EQ(open().first(5000), 5000u);
 }
@@ -63,7 +63,7 @@ TEST_F(BootRecordTest, WhatALinkInItsPlaceLeadsToIsLeftAlone) {
   EXPECT_EQ(left, "precious");
 }
 
-TEST_F(BootRecordTest, WhereNoFileCanBeMadeItIsTheTime) {
+TEST_F(BootRecordTest, IfNoFileCanBeMadeItIsTheTime) {
   BootRecord record((folder / "no" / "such").string(), 7);
   record.note(1000);
   EXPECT_EQ(BootRecord((folder / "no" / "such").string(), 7).first(5000), 5000u);

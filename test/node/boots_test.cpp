@@ -56,7 +56,7 @@ TEST_F(BootsTest, ACpuThatHasGreetedAndLeftIsWaitedForAgain) {
   EXPECT_EQ(attached, 1);
 }
 
-TEST_F(BootsTest, WhoHasGreetedInPlaceOfAChildThatIsGoneDoesNotWaitForEver) {
+TEST_F(BootsTest, AClientThatGreetedInPlaceOfAChildThatIsGoneDoesNotWaitForEver) {
   boots(100);
   greets();
   boots(-1);

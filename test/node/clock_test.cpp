@@ -25,7 +25,7 @@ TEST(Clock, NowIsACenturyAfterAStartACenturyAgo) {
   EXPECT_GE(clock.now() - core::Time{}, core::Duration(kCentury));
 }
 
-TEST(Clock, ATimerForLaterThanASteadyClockKnowsIsForItsEnd) {
+TEST(Clock, ATimerBeyondTheRangeOfASteadyClockIsForItsEnd) {
   const Clock clock(kStart);
   EXPECT_EQ(clock.steady(core::kNever), Steady::time_point::max());
   EXPECT_EQ(clock.steady(core::Time{} + 300 * 365 * 24h), Steady::time_point::max());

@@ -36,7 +36,7 @@ TEST(CoreSettings, ANodeMayHaveItsOwnNumberOfReceiveBuffers) {
 }
 
 // Each node's own delay was taken for all: 240 ms at the first node, 560 ms at the others.
-TEST(CoreSettings, SoIsTheTimeOutOfAFoldedRing) {
+TEST(CoreSettings, TheTimeOutOfAFoldedRingIsOfAllLinesToo) {
   const config::RingConfig ring = uneven_ring();
   for (const config::NodeConfig& node : ring.nodes) {
     core::Settings settings = core_settings(ring, node, 1);

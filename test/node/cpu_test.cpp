@@ -41,7 +41,7 @@ TEST_F(Cpu, IsIntroducedToTheHandlerWithItsRealPid) {
   EXPECT_EQ(server->cpu()->id, info.id);
 }
 
-TEST_F(Cpu, CanTakeNothingWhereThereIsNone) {
+TEST_F(Cpu, CanTakeNothingIfThereIsNone) {
   EXPECT_FALSE(server->cpu_can_take());
   EXPECT_EQ(server->cpu(), nullptr);
   const HostPort port = tool();
@@ -104,7 +104,7 @@ TEST_F(PatientCpu, GetsAResultWithTheNextPacket) {
   EXPECT_EQ(next<Packet>(port).data.at(0), 0xFC);
 }
 
-TEST_F(PatientCpu, GetsAResultAlsoWhereNothingElseComes) {
+TEST_F(PatientCpu, GetsAResultEvenIfNothingElseComes) {
   if (result_comes_at_once()) return;
   EXPECT_EQ(next<Result>(port).outcome, Outcome::delivered);
 }
@@ -160,7 +160,7 @@ TEST_F(Cpu, GetsInterruptsFirstAndPacketsByPriority) {
   for (const int priority : {0, 1, 1, 3}) EXPECT_EQ(next<Packet>(port).priority, priority);
 }
 
-TEST_F(Cpu, IsOnlyOne) {
+TEST_F(Cpu, OnlyOneMayAttach) {
   HostPort port = cpu();
   const std::string reason = test::thrown<HostPortError>([&] { connect(options_for(Role::cpu)); });
   EXPECT_THAT(reason,
@@ -179,7 +179,7 @@ TEST_F(Cpu, MayComeAgainWhenTheOldOneIsGone) {
   EXPECT_EQ(server->counters().refused, 0u);
 }
 
-TEST_F(Cpu, HasItsOwnRefusedByTheHandlersReason) {
+TEST_F(Cpu, IsRefusedWithTheHandlersReason) {
   handler.objection = "this node has cpu: none";
   EXPECT_THAT(test::thrown<HostPortError>([&] { connect(options_for(Role::cpu)); }),
               HasSubstr("this node has cpu: none"));

@@ -14,7 +14,7 @@ struct FrozenHost : HostTest {
   }
 };
 
-TEST_F(FrozenHost, ServesAllWhoHaveComeWhenItGoesOnAlsoWhereItsFolderWasRemoved) {
+TEST_F(FrozenHost, ServesAllWhoHaveComeWhenItGoesOnEvenIfItsFolderWasRemoved) {
   server->freeze();
   RawClient first("r", "3");
   first.say(client::Greeting{});
@@ -29,7 +29,7 @@ TEST_F(FrozenHost, ServesAllWhoHaveComeWhenItGoesOnAlsoWhereItsFolderWasRemoved)
   EXPECT_FALSE(second.hung_up());
 }
 
-TEST_F(FrozenHost, WhoseFolderWasRemovedBeforeAnybodyCameServesWhoComesThen) {
+TEST_F(FrozenHost, WhoseFolderWasRemovedBeforeAnybodyConnectedServesLaterClients) {
   server->freeze();
   server->listen_again();
   RawClient client("r", "3");

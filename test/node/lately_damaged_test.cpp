@@ -34,7 +34,7 @@ TEST(LatelyDamaged, IsWhatCameWithinTheLastTenSeconds) {
   EXPECT_EQ(lately.counts(kStart + seconds(17)).crc_errors, 0u);
 }
 
-TEST(LatelyDamaged, ForgetsWhatIsOverWhereMoreComes) {
+TEST(LatelyDamaged, ForgetsWhatIsOverIfMoreComes) {
   LatelyDamaged lately;
   for (unsigned i = 1; i <= 100; ++i) lately.look(kStart + seconds(i), counted(i, 0));
   EXPECT_EQ(lately.counts(kStart + seconds(100)).crc_errors, 11u);

@@ -35,7 +35,7 @@ TEST_F(ListenerTest, AnswersByIdAndByName) {
   EXPECT_TRUE(answers("left_knee"));
 }
 
-TEST_F(ListenerTest, IsForItsOwnerAlone) {
+TEST_F(ListenerTest, IsForItsOwnerOnly) {
   const Listener listener(io, directory, 3, "left_knee");
   struct stat status {};
   ASSERT_EQ(stat((directory + "/3.host").c_str(), &status), 0);

@@ -121,7 +121,7 @@ TEST_F(NeighbourWatchTest, TellsOfEachRule) {
                           HasSubstr("a line of this node was lost 25 times in 10 s, the last: input lost: silent")));
 }
 
-TEST_F(NeighbourWatchTest, OrdinaryFaultsAreNoBrokenRules) {
+TEST_F(NeighbourWatchTest, OrdinaryFaultsAreNotBrokenRules) {
   counters.stray_slices = 20;
   counters.duplicate_id_signs = 3;
   state = [](NeighbourWatch::Look& look) { look.other_session = 20, look.line_losses = 4; };

@@ -89,7 +89,7 @@ TEST_F(NodeFaultsTest, ANodeThatDoesNotStartStaysDead) {
   EXPECT_EQ(begin("start hip"), "");
 }
 
-TEST_F(NodeFaultsTest, AFreezeEndsWithItsTimeOrByAThawAndThatOfAnEarlierOneDoesNotEndIt) {
+TEST_F(NodeFaultsTest, AFreezeEndsWithItsTimeOrByAThawButNotWithTheTimeOfAnEarlierOne) {
   EXPECT_EQ(begin("freeze hip for=10ms"), "");
   EXPECT_TRUE(faults.is_frozen(NodeId{1}));
   EXPECT_EQ(noted(1), "freeze hip for=10ms");

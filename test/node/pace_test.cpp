@@ -13,7 +13,7 @@ const Pace::Real kStart{100s};
 
 core::Time at(std::chrono::nanoseconds since_start) { return core::Time{} + since_start; }
 
-TEST(Pace, VirtualTimeIsSoManyTimesAsFast) {
+TEST(Pace, VirtualTimeRunsAtTheGivenPace) {
   Pace pace(10, kStart);
   EXPECT_EQ(pace.allowed(kStart, at(0s)), at(0s));
   EXPECT_EQ(pace.allowed(kStart + 1ms, at(0s)), at(10ms));

@@ -49,7 +49,7 @@ TEST(ProcessState, OneThatADebuggerHoldsIsStopped) {
 }
 
 /// Whoever waits for the end of another's child reads its state just as that goes away.
-TEST(ProcessState, OfOneThatGoesAwayWhileItIsReadIsNone) {
+TEST(ProcessState, OfAProcessThatEndsWhileItIsReadIsUnknown) {
   const pid_t child = start_child();
   std::ifstream stat("/proc/" + std::to_string(child) + "/stat");
   end(child);

@@ -19,7 +19,7 @@ TEST(Cores, NeighboursShareOne) {
   EXPECT_THAT(cores_of(4, {3}), ElementsAre(3, 3, 3, 3));
 }
 
-TEST(Cores, EachHasItsOwnWhereThereAreEnough) {
+TEST(Cores, EachHasItsOwnIfThereAreEnough) {
   EXPECT_THAT(cores_of(2, {0, 1}), ElementsAre(0, 1));
   EXPECT_THAT(cores_of(2, {0, 1, 2, 3}), ElementsAre(0, 2));
 }

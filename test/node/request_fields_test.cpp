@@ -28,7 +28,7 @@ TEST(RequestFields, JsonNestedTooDeepIsRefused) {
     EXPECT_THAT(refusal_of([&] { object_in(text, "an object"); }), HasSubstr("nested too deep; allowed: 32 levels"));
 }
 
-TEST(RequestFields, WhatIsNoObjectIsRefused) {
+TEST(RequestFields, WhatIsNotAnObjectIsRefused) {
   for (const char* text : {"", "[]", "7", "{", "{}}", "{\"a\":}"})
     EXPECT_EQ(refusal_of([&] { object_in(text, "an object is expected"); }), "an object is expected") << text;
   EXPECT_EQ(object_in("{\"a\": [1]}", "")["a"][0], 1);

@@ -92,7 +92,7 @@ TEST_F(SteeringTest, ChangesThePace) {
   EXPECT_EQ(pace.allowed(std::chrono::steady_clock::now(), Time{}), core::kNever);
 }
 
-TEST_F(SteeringTest, WhatItStandsIsNotMadeUpFor) {
+TEST_F(SteeringTest, APauseIsNotMadeUpFor) {
   steering.use(pace);
   steering.pause();
   const auto later = std::chrono::steady_clock::now();

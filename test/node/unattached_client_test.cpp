@@ -88,7 +88,7 @@ TEST_F(UnattachedClient, ThatIsRefusedAfterItsBootIsGone) {
   EXPECT_THAT(handler.left, testing::ElementsAre(getpid()));
 }
 
-TEST_F(UnattachedClient, ThatIsNoCpuIsNotInLockstepThoughItAsksForIt) {
+TEST_F(UnattachedClient, ThatIsNotACpuIsNotInLockstepEvenIfItAsksForIt) {
   client::Greeting greeting = cpu_greeting();
   greeting.role = Role::tool;
   RawClient tool("r", "3");

@@ -121,7 +121,7 @@ TEST_F(UnknownPeer, SayingNothingIsDisconnectedAfterAWhile) {
   EXPECT_EQ(server->counters().never_greeted, 1u);
 }
 
-TEST_F(UnknownPeer, ThatEndsATurnWhichItHasNotIsSentAway) {
+TEST_F(UnknownPeer, ThatEndsATurnThatItDoesNotHaveIsDisconnected) {
   RawClient client("r", "3");
   client.say(client::Greeting{});
   client.say(client::Waiting{});
@@ -200,7 +200,7 @@ TEST_F(UnknownPeer, BeyondTheLimitOfClientsIsToldTheLimit) {
   expect_still_serving();
 }
 
-TEST_F(UnknownPeer, WhoOnlyAsksAndTheCpuHaveAPlaceBeyondTheLimit) {
+TEST_F(UnknownPeer, AClientThatOnlyAsksAndTheCpuHaveAPlaceBeyondTheLimit) {
   const HostPort one = tool(), two = tool(), three = tool(), four = tool();
   const HostPort its_cpu = cpu();
   std::vector<HostPort> kept;

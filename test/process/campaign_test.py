@@ -61,7 +61,7 @@ class CampaignTest(unittest.TestCase):
         self.assertIn('Nothing failed.', self.page())
         self.assertIn('1 of 2 were met. Never: `none_left`.', self.page())
 
-    def test_it_goes_on_where_it_was(self):
+    def test_it_resumes_where_it_stopped(self):
         self.put_ring_sim(False)
         self.campaign(0.0004)
         before = self.turns()

@@ -31,7 +31,7 @@ class Names(RingTest):
         self.assertEqual(done.stderr, '')
         return done.stdout.split()
 
-    def test_nodes_of_the_ring_that_was_named_where_several_run(self):
+    def test_nodes_of_the_ring_that_was_named_if_several_run(self):
         self.up('arm', ['elbow', 'wrist'])
         self.up('leg', ['hip', 'knee'])
         self.assertEqual(self.complete('--ring', ''), ['arm', 'leg'])

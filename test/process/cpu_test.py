@@ -28,7 +28,7 @@ class Log(RingTest):
 
 
 class Attached(RingTest):
-    def test_a_cpu_that_has_ended_makes_room_also_where_a_process_it_has_forked_lives_on(self):
+    def test_a_cpu_that_has_ended_makes_room_even_if_a_process_that_it_forked_lives_on(self):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = 'attached'
         self.start_ring(nodes)
@@ -96,7 +96,7 @@ class Reset(RingTest):
         reset = port.ask({'do': 'reset', 'node': 'node1', 'timeout_ms': 60000}, timeout=ring_process.GUARD)
         self.assertTrue(reset['success'], reset)
 
-    def test_a_reset_where_no_cpu_is_says_so(self):
+    def test_a_reset_of_a_node_without_a_cpu_says_so(self):
         self.start_ring(plain_nodes(2))
         self.assert_refused('node node1 has no CPU to reset', self.port(0), {'do': 'reset', 'node': 'node1'})
         for command in (['reset', 'node1'], ['fault', 'reset', 'node1']):
@@ -113,7 +113,7 @@ class Reset(RingTest):
                     self.assertEqual(done.returncode, 2)
                     self.assertRegex(done.stderr, r'^usage: %s(\.py)? \[RING NODE\]\n$' % example)
 
-    def test_attached_cpu_that_nobody_restarts_is_said_so(self):
+    def test_attached_cpu_that_nobody_restarts_is_reported_as_such(self):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = 'attached'
         self.start_ring(nodes)

@@ -63,12 +63,12 @@ class Dissector(RingTest):
         return [tuple(line.split('\t'))
                 for line in self.shark('-Y', display_filter, '-T', 'fields', *wanted)]
 
-    def test_no_packet_is_beyond_it(self):
+    def test_it_dissects_every_packet(self):
         everything = '\n'.join(self.shark('-V'))
         self.assertIn('Ring network of articulated robots', everything)
         self.assertNotIn('Lua Error', everything)
 
-    def test_one_that_is_loaded_already_is_no_error(self):
+    def test_one_that_is_loaded_already_is_not_an_error(self):
         other = os.path.join(self.folder, 'installed.lua')
         shutil.copy(LUA, other)
         self.assertIn('Ring network of articulated robots', '\n'.join(self.shark('-V', scripts=(other, LUA))))

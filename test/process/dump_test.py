@@ -122,7 +122,7 @@ class Dump(Looking):
         self.assertEqual(done.returncode, 2)
         self.assertIn('standard input: no packet of this protocol; skipped 1 of 1', done.stderr)
 
-    def test_ends_without_a_word_where_nobody_reads_on(self):
+    def test_ends_silently_if_nobody_reads_its_output(self):
         self.start_ring(plain_nodes(2))
         dump = subprocess.Popen([program('ringctl'), '--ring', self.ring, 'traffic', 'show', 'all'], stdout=subprocess.PIPE,
                                 stderr=subprocess.PIPE, env=self.environment)
@@ -134,7 +134,7 @@ class Dump(Looking):
         self.assertEqual(dump.stderr.read(), b'')
         dump.stderr.close()
 
-    def test_counts_are_said_also_where_the_daemon_dies_or_the_file_is_damaged(self):
+    def test_counts_are_printed_even_if_the_daemon_dies_or_the_file_is_damaged(self):
         daemons = self.start_ring(plain_nodes(3))
         path = os.path.join(self.folder, 'dies.pcapng')
         dump = self.start('dump', [program('ringctl'), 'traffic', 'show', 'node0', '-n', '100000', '-w', path])
@@ -178,7 +178,7 @@ class Dump(Looking):
 
 
 class Replay(Looking):
-    def test_counts_and_the_node_are_said_where_its_daemon_dies(self):
+    def test_counts_and_the_node_are_printed_if_its_daemon_dies(self):
         daemons = self.start_ring(plain_nodes(3))
         path = self.capture('node0', '--kind', 'data', '-n', 20)
         before = self.counters(1)['ended_delivered']

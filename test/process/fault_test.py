@@ -118,7 +118,7 @@ class Nodes(FaultTest):
         self.wait_closed(range(4))
         self.wait('bypassed meanwhile', lambda: self.row(2)['boot'] > boot)
 
-    def test_a_thawed_node_can_be_asked_at_once_also_where_many_have_asked_it_in_vain(self):
+    def test_a_thawed_node_can_be_asked_at_once_even_if_many_have_asked_it_in_vain(self):
         daemons = self.start_ring(plain_nodes(3), timeouts=QUICK)
         for thaw in (['thaw', 'node2'], ['clear']):
             os.kill(daemons[2].pid, signal.SIGSTOP)
@@ -132,7 +132,7 @@ class Nodes(FaultTest):
             self.assertIn('has no faults on purpose', self.fault('list'))
             self.wait_closed(range(3))
 
-    def test_faults_that_nobody_can_tell_of_are_not_said_to_be_none(self):
+    def test_unknown_faults_are_not_reported_as_no_faults(self):
         daemons = self.start_ring(plain_nodes(3), timeouts=QUICK)
         os.kill(daemons[2].pid, signal.SIGSTOP)
         self.wait('node 2 to stand still', lambda: process_state(daemons[2].pid) == 'T')
@@ -183,7 +183,7 @@ class Nodes(FaultTest):
         self.assertNotEqual(self.wait_cpu(1, 'running')['pid'], cpu)
         self.assertEqual(self.ping(0, 1)['delivered'], 20)
 
-    def test_a_daemon_that_is_cycled_while_packets_pass_is_scheduled_as_ever_afterwards(self):
+    def test_a_daemon_that_is_cycled_while_packets_pass_is_scheduled_as_before(self):
         daemons = self.start_ring(plain_nodes(3))
         pid = daemons[1].pid
         flood = self.start('ping', [ring_process.program('ringctl'), '--ring', self.ring, 'ping', 'node2',
@@ -253,14 +253,14 @@ class Cpus(FaultTest):
         self.assertIn('the CPU has not booted again: did not attach to the host port within 150 ms',
                       self.fault('reset', 'node1', code=1))
 
-    def test_a_crashed_cpu_is_gone_even_where_it_hung(self):
+    def test_a_crashed_cpu_is_gone_even_if_it_hung(self):
         pid = self.start_limb()['pid']
         self.begin('hang', 'node1')
         self.fault('crash', 'node1')
         self.assertTrue(is_gone(pid))
         self.wait('its end told', lambda: 'signal 11' in self.row(1)['cpu']['last_exit'])
 
-    def test_an_attached_cpu_is_hit_as_well(self):
+    def test_an_attached_cpu_is_affected_too(self):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = 'attached'
         self.start_ring(nodes)

@@ -155,7 +155,7 @@ class Folder(RingTest):
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
         self.assertLess(longest, 60000000, 'of 400 million bytes')
 
-    def test_without_runtime_folder_one_of_ones_own_below_the_temporary_one(self):
+    def test_without_a_runtime_folder_is_a_private_one_below_the_temporary_folder(self):
         del self.environment['XDG_RUNTIME_DIR']
         self.environment['TMPDIR'] = self.folder
         config = self.write_ring(plain_nodes(2))

@@ -54,7 +54,7 @@ class FullPort(RingTest):
         stop = self.ctl('--ring', self.ring, 'stop')
         self.assertIn("the stop ended 'delivered'", stop.stdout, stop.stderr)
 
-    def test_for_want_of_descriptors_says_so_and_lets_in_when_there_are_some(self):
+    def test_without_descriptors_says_so_and_accepts_clients_once_there_are_some(self):
         daemon = self.start_ring(plain_nodes(2))[1]
         limits = resource.prlimit(daemon.pid, resource.RLIMIT_NOFILE)
         descriptors = len(os.listdir('/proc/%d/fd' % daemon.pid))
@@ -113,7 +113,7 @@ class FullPort(RingTest):
         top = self.ctl('--ring', self.ring, 'status', '--watch', '--once')
         self.assertRegex(top.stdout, 'node0 +unanswered', top.stderr)
 
-    def test_a_stop_goes_from_another_node(self):
+    def test_a_stop_is_sent_from_another_node(self):
         self.start_ring(plain_nodes(2), limits={'clients': 2})
         self.fill_kept_places(0)
         stop = self.ctl('--ring', self.ring, 'stop')

@@ -108,14 +108,14 @@ class FromOneHostToTheOther(HostsTest):
         self.on('waist', 'send', '--from', 'waist1', '--to', 'all', '--data', 'hello')
         self.on('head', 'ping', 'waist1', '-c', 3, '-f')
 
-    def test_what_only_the_other_host_can_do_says_which(self):
+    def test_a_command_that_only_another_host_can_do_names_that_host(self):
         for command in (('fault', 'kill', 'head0'), ('send', '--from', 'head0', '--to', 'waist0', '--data', 'x'),
                         ('traffic', 'show', 'head1', '-n', 1), ('interrupt', '--from', 'head0', '--input', 0), ('fault', 'cut', 'head1:waist0')):
             text = self.on('waist', *command, code=3)
             self.assertIn('is on host head (127.0.0.2), this is host waist', text)
             self.assertIn('--ssh', text)
 
-    def test_or_has_it_done_there(self):
+    def test_a_command_for_another_host_is_run_there_over_ssh(self):
         """By a stand-in for ssh that goes to the folder of that host."""
         log = self.write('ssh.log', '')
         self.script('ssh', 'while [ $# -gt 2 ]; do echo "$1" >> %s; shift; done\n[ "$1" = 127.0.0.2 ] || exit 255\n'
@@ -132,7 +132,7 @@ class FromOneHostToTheOther(HostsTest):
         with open(log) as file:
             self.assertIn('BatchMode=yes', file.read())
 
-    def test_ssh_that_does_not_get_there(self):
+    def test_ssh_that_cannot_connect(self):
         self.script('ssh', 'echo nobody is there >&2; exit 255\n')
         self.hosts['waist'].environment['PATH'] = self.folder + ':' + os.environ['PATH']
         self.assertIn('nobody is there', self.on('waist', '--ssh', 'fault', 'kill', 'head0', code=3))
@@ -180,7 +180,7 @@ class WrongUse(HostsTest):
         self.assertEqual(list(self.hosts['waist'].daemons_left()), [])
         return text
 
-    def test_hosts_are_named_that_there_are(self):
+    def test_a_wrong_host_is_refused_with_the_hosts_that_exist(self):
         self.assertIn("unknown host 'haed', did you mean 'head'?", self.refusal(self.config, '--host', 'haed'))
         self.assertIn('several hosts', self.refusal(self.config))
         self.assertIn('--host NAME', self.refusal(self.config))
@@ -206,7 +206,7 @@ class WrongUse(HostsTest):
         self.assertEqual(daemon.returncode, 1)
         self.assertIn('203.0.113.1', daemon.stderr)
 
-    def test_another_part_in_the_same_runtime_folder_is_refused_by_what_would_be_right(self):
+    def test_another_part_in_the_same_runtime_folder_is_refused_with_what_would_be_right(self):
         self.up('waist')
         self.assertIn('needs a runtime folder of its own (XDG_RUNTIME_DIR)',
                       self.on('waist', 'up', self.config, '--host', 'head', '--detach', code=1))

@@ -21,7 +21,7 @@ TEST(InParallel, DoesEachOnce) {
   in_parallel(0, 8, [](std::size_t) { FAIL(); });
 }
 
-TEST(InParallel, DoesItAloneWhereNoThreadCanBeMade) {
+TEST(InParallel, DoesItAloneIfNoThreadCanBeMade) {
   pthread_attr_t usual, too_large;
   ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
   ASSERT_EQ(pthread_attr_init(&too_large), 0);

@@ -16,7 +16,7 @@ def fields(interrupt):
 
 
 class Pins(RingTest):
-    def test_input_that_is_pulled_interrupts_where_it_leads(self):
+    def test_input_that_is_pulled_interrupts_its_destination(self):
         nodes = plain_nodes(3)
         nodes[0]['inputs'] = {'3': {'to': 'node2', 'factor': 4}}
         nodes[2].update(cpu='attached', pins={'4': 'notify'})

@@ -105,7 +105,7 @@ class JointNode(RingTest):
                 self.warns(words)  # also of a CPU that has ended by it
                 self.ctl('down')
 
-    def test_a_node_that_obeys_none_of_its_commands_is_told_with_the_reason(self):
+    def test_a_node_that_obeys_none_of_its_commands_is_reported_with_the_reason(self):
         for firmware, why in ((DEAF, 'neither takes nor refuses them'),
                               (FIRMWARE % ('', 'lambda dt, goals: [0.0]'), 'it refuses them')):
             with self.subTest(why):
@@ -120,7 +120,7 @@ class JointNode(RingTest):
                 self.wait('told', told)
                 self.ctl('down')
 
-    def test_joint_packets_that_do_not_fit_and_a_sensor_that_says_nothing_are_told_and_counted_once(self):
+    def test_joint_packets_that_do_not_fit_and_a_silent_sensor_are_reported_and_counted_once(self):
         nodes = plain_nodes(2)
         nodes[0]['cpu'] = 'attached'
         nodes[1].update(cpu='attached', joints=[KNEE], sensors=[dict(name='foot', kind='imu')])
@@ -130,13 +130,13 @@ class JointNode(RingTest):
         self.warns('its CPU runs and sends no readings of foot')
         self.assertEqual(self.row(1)['counters']['cpu_warnings'], 2)
 
-    def test_a_step_that_takes_longer_than_its_period_is_said_once(self):
+    def test_a_step_that_takes_longer_than_its_period_is_reported_once(self):
         cpu = self.start_knee(FIRMWARE % ('', 'lambda dt, goals: time.sleep(0.015) or [0.0]'))
         self.says(cpu, 'step() takes longer than what it steps over')
         self.says(cpu, 'states and sensor readings are left out')
         self.warns('step() takes longer than what it steps over', cpu='running')
 
-    def test_a_step_that_sleeps_on_a_virtual_clock_is_told_in_status(self):
+    def test_a_step_that_sleeps_on_a_virtual_clock_is_reported_in_status(self):
         nodes = plain_nodes(2)
         nodes[0]['cpu'] = 'attached'
         firmware = self.write('knee.py', FIRMWARE % ('', 'lambda dt, goals: time.sleep(0.015) or [0.0]'))

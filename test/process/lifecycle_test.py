@@ -55,7 +55,7 @@ class Lifecycle(RingTest):
         self.assertGreater(sum(r.outcome == 'delivered' for r in results), 300)
         self.assertEqual(port.wait(port.send(1, b'again')).outcome, 'delivered')
 
-    def test_sends_to_a_dead_node_end_and_no_such_node_is_said(self):
+    def test_sends_to_a_dead_node_end_with_no_such_node(self):
         daemons = self.start_ring(plain_nodes(3))
         daemons[1].kill()
         self.wait_closed([0, 2])

@@ -277,7 +277,7 @@ class Program(unittest.TestCase):
                 self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
                 self.assertIn(words, done.stderr)
 
-    def test_where_nothing_is_built_it_says_what_to_do(self):
+    def test_without_a_build_it_says_what_to_do(self):
         # Not even the library that is to be found with a set-up shell.
         unset = {name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}
         done = subprocess.run([sys.executable, '-s', os.path.join(SCRIPTS, 'chaos'), '--help'], capture_output=True, text=True,

@@ -48,7 +48,7 @@ class OpenChain(LimbRing):
         self.assertIn('not reached', reset['message'])
         self.assertIn('node2 reaches all others', reset['message'])
 
-    def test_a_reset_of_the_first_of_the_chain_says_what_else_does_it(self):
+    def test_a_reset_of_the_first_node_of_the_chain_says_what_else_resets_it(self):
         reset = self.ctl_json('reset', 'node2', code=1)
         self.assertIn("'ringctl fault reset node2'", reset['message'])
         boots = self.row(2)['cpu']['boots']
@@ -134,7 +134,7 @@ class Stop(LimbRing):
         self.assertEqual(self.ctl('resume').stdout, 'resumed 4 nodes\n')
         self.wait('all have resumed', lambda: self.latched() == [False] * 4)
 
-    def test_a_resume_that_a_hung_cpu_reads_too_late_is_told(self):
+    def test_a_resume_that_a_hung_cpu_reads_too_late_is_reported(self):
         self.start_limbs()
         self.ctl('stop')
         pid = self.row(3)['cpu']['pid']

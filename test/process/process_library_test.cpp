@@ -127,7 +127,7 @@ TEST(Spawn, TellsThatAProgramCouldNotBeExecuted) {
   EXPECT_EQ(status.text, "cannot execute it: No such file or directory");
 }
 
-TEST(ProcessState, ToldOfOneThatIsStoppedThatEndedAndThatIsGone) {
+TEST(ProcessState, DiffersForAStoppedAnEndedAndAMissingProcess) {
   const Spawned child = started({"sleep", "1000"});
   ::kill(child.pid, SIGSTOP);
   ::waitpid(child.pid, nullptr, WUNTRACED);
@@ -172,7 +172,7 @@ TEST(Child, HasEndedWhenKillReturns) {
   EXPECT_TRUE(is_gone(child.pid()));
 }
 
-TEST(Child, ThatTheKernelHasWaitedForHasNotEndedCleanlyAsFarAsOneKnows) {
+TEST(Child, ThatTheKernelHasReapedIsNotKnownToHaveEndedCleanly) {
   const auto before = ::signal(SIGCHLD, SIG_IGN);
   Child child(spawn_copy([] { return 3; }), "it");
   const ProcessHandle handle(child.pid());

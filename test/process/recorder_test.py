@@ -25,7 +25,7 @@ class Recorder(RingTest):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
-    def test_of_living_dead_and_former_nodes_are_had_again(self):
+    def test_of_living_dead_and_restarted_nodes_are_replayed(self):
         daemons = self.start_ring(plain_nodes(4), recorder={'enabled': True, 'size': 1048576}, redundancy='foldback')
         self.send_delivered(0, 2)
         daemons[3].kill()
@@ -130,7 +130,7 @@ class Recorder(RingTest):
         for at in rounded_down[:5] + recorded[-1:]:
             self.assertEqual(times('--until', at)[-1], at)
 
-    def test_that_were_changed_or_are_none_are_refused(self):
+    def test_that_were_changed_or_are_invalid_are_refused(self):
         self.start_ring(plain_nodes(2), recorder={'enabled': True})
         self.save()
         path = os.path.join(self.saved, '1.record')
@@ -147,7 +147,7 @@ class Recorder(RingTest):
         self.assertIn('--print goes with --node', self.replay(self.saved, '--print', code=2))
         self.assertIn('--node goes with --until', self.replay(self.saved, '--node', '2', code=2))
 
-    def test_wrong_use_is_told(self):
+    def test_wrong_usage_is_reported(self):
         self.start_ring(plain_nodes(2))
         for words, ring in (('no ring has recordings', []), ('%s has no recordings' % self.ring, ['--ring', self.ring])):
             done = self.ctl(*ring, 'record', 'save', self.saved)

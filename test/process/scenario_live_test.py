@@ -83,7 +83,7 @@ class ScenarioLive(ScenarioTest):
             self.assertIn('end: all as expected', done.stdout)
             self.assert_clean()
 
-    def test_plain_nodes_fold_back_where_the_scenario_says_so(self):
+    def test_plain_nodes_fold_back_if_the_scenario_says_so(self):
         done = self.play(FOLDS)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
@@ -96,7 +96,7 @@ class ScenarioLive(ScenarioTest):
         self.assertEqual((suite.get('tests'), suite.get('failures')), ('2', '1'))
         self.assert_clean()
 
-    def test_what_only_the_virtual_clock_can_do_is_said_before_anything_starts(self):
+    def test_what_only_the_virtual_clock_can_do_is_reported_before_anything_starts(self):
         done = self.play(KILL, TOO_FAST)
         self.assertEqual((done.returncode, done.stdout), (2, ''))
         self.assertIn('only under the virtual clock (--sim):\n  after: 6us', done.stderr)
@@ -104,7 +104,7 @@ class ScenarioLive(ScenarioTest):
         self.assertRegex(listed[1], r'^0.yaml +sim(, virtual)?, live +a node dies$')
         self.assertRegex(listed[2], r'^1.yaml +sim(, virtual| only) +a story of microseconds$')
 
-    def test_a_running_ring_of_the_user_is_not_met(self):
+    def test_a_running_ring_of_the_user_is_not_touched(self):
         up = self.ctl('--ring', self.ring, 'up', '--nodes', 4, '--detach', '--timeout', 60)
         self.assertEqual(up.returncode, 0, up.stderr)
         boots = [self.row(node)['boot'] for node in range(4)]
@@ -151,7 +151,7 @@ class ScenarioLive(ScenarioTest):
         run.kill()
         self.wait('all gone', lambda: not self.started())
 
-    def test_what_one_that_was_killed_has_left_is_removed_by_the_next(self):
+    def test_files_left_by_a_killed_run_are_removed_by_the_next(self):
         killed, living = self.start_endless(), self.start_endless()
         self.wait('both rings are up', lambda: len([pid for pid in self.started()
                                                     if ring_process.process_state(pid) == 'T']) == 2)

@@ -300,7 +300,7 @@ steps:
 
     # ---- wrong use ------------------------------------------------------------------------
 
-    def test_wrong_use_is_told(self):
+    def test_wrong_usage_is_reported(self):
         file = self.scenario(NOTHING, self.nodes())
         for more, words in ((['--live'], '--live'), (['--sim'], '--sim'), (['--transport', 'udp'], '--live')):
             done = self.ctl('scenario', 'run', '--virtual', file, *more)
@@ -362,14 +362,14 @@ with HostPort.connect(role='cpu') as port:
         self.assertEqual((done.returncode, done.stdout), (1, ''), done.stderr)
         self.assertIn('there is nothing to find', done.stderr)
 
-    def test_a_program_that_is_not_there_is_told_before_anything_starts(self):
+    def test_a_program_that_is_not_there_is_reported_before_anything_starts(self):
         file = self.scenario(NOTHING, self.own('no_such_cpu'))
         done = self.ctl('scenario', 'run', '--virtual', file)
         self.assertEqual((done.returncode, done.stdout), (2, ''))
         self.assertRegex(done.stderr, "two: no program '.*no_such_cpu'")
         self.assertEqual(self.ctl('scenario', 'run', '--virtual', '--scenario-cpus', file).returncode, 0)
 
-    def test_a_program_that_is_no_cpu_fails_the_start(self):
+    def test_a_program_that_is_not_a_cpu_fails_the_start(self):
         nodes = self.nodes()
         nodes[2]['cpu'] = {'command': ['sleep', '1000']}
         file = self.scenario(NOTHING, nodes, timeouts={'cpu_boot': '2s'})

@@ -34,7 +34,7 @@ class Service(RingTest):
         done = self.up('leg8', HOME=self.folder)
         self.assertIn('closed: 8 nodes up', done.stdout)
 
-    def test_a_name_that_nobody_knows_is_told_where_it_was_looked_for(self):
+    def test_an_unknown_name_is_refused_with_where_it_was_looked_for(self):
         done = self.up('lge8', HOME=self.folder)
         self.assertEqual(done.returncode, 2)
         for place in (os.path.join(self.folder, '.config/limb_ring'), '/etc/limb_ring', 'share/limb_ring/config'):

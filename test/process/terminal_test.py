@@ -75,7 +75,7 @@ class Ping(RingTest):
         self.start_ring(plain_nodes(2))
         self.assertEqual(self.ctl('ping', 'node1', '-q', '-w', '50ms', '-i', '1ms').returncode, 0)
 
-    def test_ends_after_its_time_also_where_its_daemon_is_frozen(self):
+    def test_ends_after_its_time_even_if_its_daemon_is_frozen(self):
         daemons = self.start_ring(plain_nodes(2))
         ping = self.start('ping', [program('ringctl'), 'ping', 'node1', '--from', 'node0', '-q', '-w', '5s', '-i', '1ms'])
         before = self.counters(0)['sent_data']
@@ -85,7 +85,7 @@ class Ping(RingTest):
         self.assertRegex(self.log_of(ping), r'sent, \d+ delivered, 1 not ended')
         self.assertIn('node 0 (node0) of ring %s: no result' % self.ring, self.log_of(ping))
 
-    def test_ends_where_its_daemon_is_frozen(self):
+    def test_ends_if_its_daemon_is_frozen(self):
         daemons = self.start_ring(plain_nodes(2))
         for command in (['ping', 'node1', '--from', 'node0', '-q', '-i', '1ms'],
                         ['send', '--from', 'node0', '--to', 'node1', '--data', 'x', '-c', '100000', '-i', '1ms']):
@@ -233,7 +233,7 @@ class PlainWords(RingTest):
         self.assertIn('--to', self.ctl('help', 'send').stdout)
         self.assertIn('A:B', self.ctl('help', 'fault', 'cut').stdout)
 
-    def test_what_computes_ends_with_one_by_ctrl_c_as_its_help_says(self):
+    def test_computing_commands_end_with_one_by_ctrl_c_as_their_help_says(self):
         plan = ['ring_sim', 'plan', os.path.join(ring_process.CONFIG, 'humanoid16.yaml'), '--simulate', '3600s']
         table = ['ring_sim', 'table']
         for command in (['compare_networks', '--nodes', '100'], plan, table):

@@ -206,7 +206,7 @@ class Tools(RingTest):
         self.assertEqual(port.wait(waits).outcome, 'cancelled')
         self.assertEqual(self.wait_exit(daemons[0]), 0)
 
-    def test_totals_are_shown_also_where_the_daemon_goes(self):
+    def test_totals_are_shown_even_if_the_daemon_ends(self):
         daemons = self.start_ring(plain_nodes(3))
         for arguments in (['ping', '-q', '--to', '1', '--from', '0', '-f'],
                           ['ping', '--json', '--to', '1', '--from', '0', '-f', '-c', '1000000'],
@@ -221,7 +221,7 @@ class Tools(RingTest):
             daemons[0] = self.ringd(os.path.join(self.folder, 'ring.yaml'), 0)
             self.wait_closed(range(3))
 
-    def test_what_nobody_reads_any_more_ends_also_on_a_quiet_ring(self):
+    def test_a_command_whose_output_nobody_reads_ends_even_on_a_quiet_ring(self):
         self.start_ring(plain_nodes(2))
         for words in (['traffic', 'events', '0', '--kinds', 'cpu'], ['traffic', 'show', '0', '--kind', 'interrupt']):
             command = [ring_process.program('ringctl'), '--ring', self.ring] + words

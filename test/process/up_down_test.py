@@ -155,7 +155,7 @@ class UpDown(RingTest):
         self.assertIn('1.boot', left)
         self.assertNotIn('up.lock', left)
 
-    def test_down_leaves_a_ring_alone_that_is_being_started(self):
+    def test_down_does_not_touch_a_ring_that_is_being_started(self):
         os.makedirs(self.ring_folder(), 0o700)
         with open(os.path.join(self.ring_folder(), 'up.lock'), 'w') as lock:
             fcntl.lockf(lock, fcntl.LOCK_EX)
@@ -197,7 +197,7 @@ class UpDown(RingTest):
             self.assertTrue(all(ring_process.is_gone(pid) for pid in pids))
             self.assertFalse(os.path.exists(self.ring_folder()))
 
-    def test_recordings_stay_where_a_ring_in_the_foreground_is_ended(self):
+    def test_recordings_stay_when_a_ring_in_the_foreground_is_ended(self):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '2', '--record'])
         self.wait('said so', lambda: ' is closed: ' in self.log_of(up))
         up.send_signal(signal.SIGINT)
@@ -295,7 +295,7 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl_json('status', '--rings'), [])
         self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
 
-    def test_all_folders_of_dead_rings_are_removed_but_for_recordings(self):
+    def test_all_folders_of_dead_rings_are_removed_except_recordings(self):
         for ring, more in (('left', []), ('recorded', ['--record'])):
             self.assertEqual(self.ctl('--ring', ring, 'up', '--nodes', 2, '--detach', *more).returncode, 0)
             for row in self.ctl_json('--ring', ring, 'status')['nodes']:
@@ -304,7 +304,7 @@ class UpDown(RingTest):
         self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
         self.assertEqual(sorted(os.listdir(os.path.dirname(self.ring_folder()))), ['.logs', 'recorded'])
 
-    def test_all_rings_are_ended_also_where_somebody_ends_one_meanwhile(self):
+    def test_all_rings_are_ended_even_if_somebody_ends_one_meanwhile(self):
         nodes = plain_nodes(2)
         nodes[0]['cpu'] = {'command': [self.script('stubborn', "trap '' TERM\nwhile :; do sleep 1; done\n")]}
         self.start_ring(nodes)   # it takes its time to end
@@ -349,7 +349,7 @@ class UpDown(RingTest):
                 up.send_signal(signal.SIGINT)
                 self.assertEqual(self.wait_exit(up), 0)
 
-    def test_respawning_leaves_a_node_dead_that_was_killed_on_purpose(self):
+    def test_respawning_does_not_restart_a_node_that_was_killed_on_purpose(self):
         up = self.up_respawning('--nodes', 4)
         killed = self.ctl('--ring', self.ring, 'fault', 'kill', 'node2')
         self.assertEqual(killed.returncode, 0, killed.stdout + killed.stderr)
@@ -376,7 +376,7 @@ class UpDown(RingTest):
         up.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(up), 0)
 
-    def test_respawning_leaves_a_ring_down_that_was_taken_down(self):
+    def test_respawning_does_not_restart_a_ring_that_was_taken_down(self):
         up = self.up_respawning('--nodes', 3)
         os.kill(self.row(1)['pid'], signal.SIGSTOP)  # one has to be killed
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
@@ -389,7 +389,7 @@ class UpDown(RingTest):
         self.assertTrue(self.is_closed(range(3)))
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
 
-    def test_respawning_ends_with_the_ring_where_its_starter_was_killed(self):
+    def test_respawning_ends_with_the_ring_if_its_starter_was_killed(self):
         script = self.script('launch', '%s --ring %s up --respawn --nodes 3 & echo $!; wait\n'
                              % (ring_process.program('ringctl'), self.ring))
         starter = self.start('launch', [script])
@@ -411,7 +411,7 @@ class UpDown(RingTest):
         self.wait('said so', lambda: 'was taken down' in self.log_of(up))
         self.assertNotIn('is started again', self.log_of(up))
 
-    def test_respawning_ends_where_a_daemon_cannot_start(self):
+    def test_respawning_ends_if_a_daemon_cannot_start(self):
         up = [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--respawn', '--nodes', '3']
         os.makedirs(self.ring_folder(), 0o700)
         os.chmod(os.path.dirname(self.ring_folder()), 0o700)

@@ -261,7 +261,7 @@ class View(ViewTest):
         client.close()
         return 0
 
-    def test_an_address_that_is_none_or_is_taken_is_said(self):
+    def test_an_address_that_is_invalid_or_taken_is_reported(self):
         taken = socket.socket()
         self.addCleanup(taken.close)
         taken.bind(('127.0.0.1', 0))

@@ -35,7 +35,7 @@ class Nodes(VirtualTest, FaultTest):
         self.assertGreater(self.row(2)['boot'], boot)
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
 
-    def test_a_process_that_somebody_has_stopped_goes_on_by_what_is_said_to_thaw_it(self):
+    def test_a_process_that_somebody_has_stopped_goes_on_by_the_command_that_is_named(self):
         self.up(plain_nodes(3))
         self.begin('kill', 'node1')
         self.begin('freeze', 'node2')
@@ -49,7 +49,7 @@ class Nodes(VirtualTest, FaultTest):
         self.assertEqual(self.fault('thaw', 'node2'), 'done: thaw node2\n')
         self.wait_closed(range(3))
 
-    def test_of_all_nodes_those_are_killed_that_live(self):
+    def test_killing_all_nodes_kills_those_that_live(self):
         self.up(plain_nodes(3))
         self.begin('kill', 'node2')
         said = self.fault('kill', 'all', code=3)
@@ -215,7 +215,7 @@ class Nodes(VirtualTest, FaultTest):
         self.assertEqual(self.ctl('fault', 'start', 'node1').returncode, 0)
         self.wait_closed(range(3))
 
-    def test_the_rings_own_port_refuses_what_is_of_nodes(self):
+    def test_the_rings_own_port_refuses_requests_to_nodes(self):
         self.up(plain_nodes(3))
         port = self.port(255)
         self.assertEqual(port.wait(port.send(1, b'x')).outcome, 'rejected')

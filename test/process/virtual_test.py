@@ -124,7 +124,7 @@ class Virtual(VirtualTest):
         self.ctl('clock', 'run')
         self.assertEqual(self.wait_exit(replay), 0)
 
-    def test_wrong_use_is_told(self):
+    def test_wrong_usage_is_reported(self):
         config = self.up(plain_nodes(3))
         again = self.ctl('up', config, '--clock', 'virtual', '--detach')
         self.assertEqual(again.returncode, 1)

@@ -57,7 +57,7 @@ class Watching(WatchingTest):
         self.assertIn('every promise was kept', said)
         self.assertIn('200 sends', said)
 
-    def test_goes_on_where_the_file_of_a_node_is_cut_off(self):
+    def test_goes_on_if_the_file_of_a_node_is_truncated(self):
         daemons = self.start_ring(plain_nodes(3))
         watch = self.watch()
         self.wait('all watched', lambda: all(self.is_watched(node) for node in range(3)))
@@ -70,7 +70,7 @@ class Watching(WatchingTest):
         self.assertEqual([daemon.poll() for daemon in daemons.values()], [None] * 3)
         self.assertIn('every promise was kept', self.end(watch))
 
-    def test_finds_nothing_where_a_cpu_babbles_since_before_it_looks(self):
+    def test_finds_nothing_if_a_cpu_babbled_before_it_started(self):
         self.start_ring(plain_nodes(3))
         self.assertEqual(self.ctl('fault', 'babble', 'node1').returncode, 0)
         hits = self.babbled_at(1)
@@ -102,7 +102,7 @@ class Watching(WatchingTest):
         self.assertIn('was taken down', self.log_of(watch))
         self.assertIn('every promise was kept', self.log_of(watch))
 
-    def test_claims_nothing_of_nodes_that_it_could_not_watch(self):
+    def test_claims_nothing_about_nodes_that_it_could_not_watch(self):
         self.start_ring(plain_nodes(8))
         for limit in 10, 12:  # of them one for each node, and for what a program needs
             def few_descriptors():
@@ -124,7 +124,7 @@ class Watching(WatchingTest):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn('node 1: cannot make', done.stderr)
 
-    def test_who_comes_after_the_runtime_folder_was_removed_sees_what_others_see(self):
+    def test_one_that_starts_after_the_runtime_folder_was_removed_sees_what_others_see(self):
         self.start_ring(plain_nodes(2))
         others = [self.port(node) for node in range(2)]
         for other in others:
@@ -261,7 +261,7 @@ class SavedByThemselves(WatchingTest):
         self.wait('a save', lambda: 'node 2 (node2) has crashed; recordings are saved in' in self.log_of(keeper))
         self.assertEqual(len(self.saved()), 1)
 
-    def test_also_where_a_node_cannot_be_watched(self):
+    def test_even_if_a_node_cannot_be_watched(self):
         daemons = self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})
         os.mkdir(os.path.join(self.ring_folder(), '1.watch'))   # where its file would be
         self.saves = os.path.join(self.folder, 'saves')
@@ -280,7 +280,7 @@ class SavedByThemselves(WatchingTest):
         os.kill(keeper, signal.SIGCONT)
         self.wait('it has ended', lambda: not os.path.exists('/proc/%d' % keeper))
 
-    def test_and_the_oldest_go(self):
+    def test_and_the_oldest_are_removed(self):
         self.up(['crash'], keep=2)
         for i in range(3):
             os.makedirs(os.path.join(self.saves, '%s-2020-01-01_00000%d_000-crash' % (self.ring, i)))

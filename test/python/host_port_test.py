@@ -175,7 +175,7 @@ def test_in_lockstep_every_wait_is_of_the_rings_time(ring):
 
 
 @needs_ring
-def test_a_daemon_that_is_frozen_is_said_to_be_so(ring):
+def test_a_daemon_that_is_frozen_is_reported_as_frozen(ring):
     port = ring.port('spare')
     ring.fault('freeze', 'spare')
     with pytest.raises(HostPortTimeout, match='did not answer within 0.1'):

@@ -85,7 +85,7 @@ def test_a_result_or_an_answer_that_comes_with_a_signal_stays_for_the_next_wait(
 
 
 @needs_ring
-def test_what_the_own_function_of_find_raises_at_stays(ring):
+def test_a_message_at_which_the_function_of_find_raises_stays(ring):
     body, knee = ring.port('body', role='cpu'), ring.port('knee')
     knee.send(0, b'x')
     with pytest.raises(ZeroDivisionError):
@@ -94,7 +94,7 @@ def test_what_the_own_function_of_find_raises_at_stays(ring):
 
 
 @pytest.mark.ring(RING, clock='virtual')
-def test_a_signal_is_heard_where_a_virtual_ring_is_paused(ring, alarms):
+def test_a_signal_is_heard_while_a_virtual_ring_is_paused(ring, alarms):
     cpu, tool, knee = ring.port('body', role='cpu', lockstep=True), ring.port('body'), ring.port('knee')
     ring.ctl('clock', 'pause')
     stands = tool.now()

@@ -51,7 +51,7 @@ def test_a_sensor_reading_has_the_documented_bytes():
     assert SensorReading.decode(SensorReading('force', (1, 2, 3), (4, 5, 6)).encode()).kind == 'force'
 
 
-def test_what_says_nothing_of_its_time_is_stamped_now():
+def test_data_without_a_stamp_is_stamped_now():
     before = time.time_ns()
     assert before <= JointState().stamp_ns <= time.time_ns()
 
@@ -63,7 +63,7 @@ def test_what_says_nothing_of_its_time_is_stamped_now():
     (lambda: JointState([JointState.Joint()] * 42).encode(), 'item 41'),
     (lambda: SensorReading('thermometer', (0, 0, 0), (0, 0, 0)), "'imu' or 'force'"),
     (lambda: JointCommand(valid_for=-1), 'valid_for')])
-def test_what_cannot_be_is_a_value_error_that_says_why(wrong, words):
+def test_an_impossible_value_is_a_value_error_that_says_why(wrong, words):
     with pytest.raises(ValueError, match=words):
         wrong()
 

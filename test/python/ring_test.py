@@ -167,7 +167,7 @@ def test_ports_of_single_sends_are_not_kept(make_ring):
     assert ring._ports == []
 
 
-def test_nothing_is_left_where_a_variable_is_not_utf_8(monkeypatch):
+def test_nothing_is_left_if_a_variable_is_not_utf_8(monkeypatch):
     monkeypatch.setenv('SOMEBODYS', os.fsdecode(b'\xff'))
     ring = Ring(plain('left')).up()
     pid = ring.status('body')['pid']
@@ -249,7 +249,7 @@ def test_a_name_is_looked_for_where_ringctl_looks_for_it(monkeypatch, tmp_path, 
     assert [os.path.realpath(path) for path in by_name] == [os.path.realpath(folder + '/leg9.yaml') for folder in its_folders]
 
 
-def test_a_time_that_is_none_is_refused_with_its_name():
+def test_a_time_that_is_invalid_is_refused_with_its_name():
     with pytest.raises(ValueError, match='timeout: 0 s or more is needed, and an end, not inf'):
         Ring(2, timeout=float('inf'))
     ring = Ring.attach('nobodys')
@@ -332,7 +332,7 @@ def test_a_fault_waits_for_packets_of_a_node():
         assert 'after_packets=1000 of=knee' in ring.ctl('fault', 'list')
 
 
-def test_programs_that_are_not_there_are_said_to_be_so():
+def test_programs_that_are_not_there_are_reported():
     with pytest.raises(RingError, match='/nix.*there is no ringctl'):
         Ring(2, programs='/nix').up()
     with Ring(plain('bare')) as ring:

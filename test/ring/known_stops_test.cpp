@@ -125,7 +125,7 @@ TEST(KnownStops, ASentenceSaysWhatACpuMayNotHaveDone) {
             "the CPU did not run, and comes up without the stop: head");
 }
 
-TEST(KnownStops, AllAreToldWhereNoneIsLeftOut) {
+TEST(KnownStops, AllAreListedIfNoneIsLeftOut) {
   EXPECT_FALSE(all_told(known_stops(kNodes, kRows, 20ms)));
   EXPECT_TRUE(all_told(known_stops({{0, "body"}, {1, "head"}, {3, "foot"}}, kRows, 20ms)));
 }

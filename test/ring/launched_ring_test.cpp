@@ -113,7 +113,7 @@ TEST_F(Launched, WithoutRingdThereIsNoRing) {
   }
 }
 
-TEST_F(Launched, WhereOneCannotBeStartedThoseBeforeItHaveEnded) {
+TEST_F(Launched, IfOneCannotBeStartedThoseBeforeItHaveEnded) {
   ringd_is("sleep 1000");
   request.lifetime = Lifetime::its_own;
   std::filesystem::create_directory(make_ring_directory(request.ring) + "/7.log");

@@ -64,7 +64,7 @@ TEST_F(RingFolder, AFifoOrAFolderInTheirPlaceTellsNothingAndKeepsNobodyWaiting) 
   EXPECT_THAT(unreadable_files(ring), Contains(HasSubstr("4.lock is a folder, not a regular file")));
 }
 
-TEST_F(RingFolder, WhatIsNoRegularFileIsNotLocked) {
+TEST_F(RingFolder, AnythingButARegularFileIsNotLocked) {
   ASSERT_EQ(::mkfifo((ring + "/7.lock").c_str(), 0600), 0);
   EXPECT_THAT(test::thrown<std::runtime_error>([&] { lock_of(7); }),
               HasSubstr("7.lock is a FIFO, not a regular file: it cannot be locked; remove it"));
@@ -91,7 +91,7 @@ TEST_F(RingFolder, ADaemonThatListensLivesThoughItsLockFileIsNotLocked) {
   }
 }
 
-TEST_F(RingFolder, APidIsTakenFromNothingButItsLineAndTheRightProgram) {
+TEST_F(RingFolder, APidIsTakenOnlyFromItsLineAndOnlyOfTheRightProgram) {
   const auto held = lock_of(7);
   for (const char* text : {"10:16:33.123 info [legs/left_knee] up\n", "", "1\n", "99999999999\n"}) {
     std::ofstream(ring + "/7.lock") << text;
@@ -189,7 +189,7 @@ TEST_F(KilledNode, IsOneWhoseLastDaemonWasKilledOnPurpose) {
   EXPECT_THAT(killed_rings(), ElementsAre("legs"));
 }
 
-TEST_F(KilledNode, IsNoneAnyMoreAsSoonAsAnotherDaemonHasBegun) {
+TEST_F(KilledNode, IsNoLongerOneOnceAnotherDaemonHasStarted) {
   {
     const auto held = lock_of(3);
     EXPECT_FALSE(is_killed(ring, 3_id));
@@ -214,7 +214,7 @@ TEST_F(KilledNode, OfARingThatGoesOnDoesNotMakeItDead) {
   EXPECT_THAT(killed_rings(), IsEmpty());
 }
 
-TEST_F(KilledNode, IsNoneThatIsFrozen) {
+TEST_F(KilledNode, IsNotOneThatIsFrozen) {
   write_note(ring, 3_id, "freeze left_knee");
   EXPECT_FALSE(is_killed(ring, 3_id));
 }
@@ -229,7 +229,7 @@ TEST_F(KilledNode, HasTheNameOfItsNoteAndOthersThatOfTheirSocketOrTheirId) {
   EXPECT_THAT(names, ElementsAre("3 left_knee", "12 12", "13 left_hip", "14 14"));
 }
 
-TEST_F(RingFolder, AFileThatIsNoNoteIsIgnored) {
+TEST_F(RingFolder, AFileThatIsNotANoteIsIgnored) {
   std::ofstream(ring + "/3.fault") << "nonsense\n";
   EXPECT_FALSE(note_of(ring, 3_id));
 }

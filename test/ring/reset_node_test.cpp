@@ -56,7 +56,7 @@ TEST(ResetSeen, NotByAnOldBeaconNorBySameBoots) {
   }
 }
 
-TEST(ResetSeen, NotAtTheFirstOfAnOpenChainAndThenWhatElseResetsIt) {
+TEST(ResetSeen, NotAtTheFirstNodeOfAnOpenChainButSaysWhatElseResetsIt) {
   ResetQuery first = query();
   first.target = 0;
   const Rows rows{{13, heard_by(13, 1, 20)}};
@@ -76,7 +76,7 @@ TEST(Reset, OfANodeWithoutCpuIsKnownByItsRowOrItsBeacon) {
   EXPECT_TRUE(has_no_cpu({{13, heard}}, 12));
 }
 
-TEST(ResetSeen, RoundAFoldNobodyIsSaidToReachAll) {
+TEST(ResetSeen, AroundAFoldNoNodeIsSaidToReachAll) {
   NodeRow folded = heard_by(13, 1, 20);
   folded.state = "folded";
   const std::string message = judged(kUnknown, query(), {{13, folded}}, {{13, folded}})["message"];
@@ -88,7 +88,7 @@ TEST(ResetSeen, NotByOneThatWasNotAskedBefore) {
   EXPECT_EQ(judged(kUnknown, query(), {}, {{12, own_row(2)}})["effect"], "unknown");
 }
 
-TEST(ResetSeen, InAnOpenChainTheNodeBehindTheBreakSendsWhereItMay) {
+TEST(ResetSeen, InAnOpenChainTheNodeBehindTheBreakSendsUnlessAnotherWasNamed) {
   ResetQuery free = query();
   free.from = 13;
   const Rows rows{{0, heard_by(0, 1, 20)}};

@@ -49,12 +49,12 @@ TEST_F(SendOn, AsksNobodyAfterTheDeadlineOfTheWhole) {
   EXPECT_THAT(sent, ElementsAre());
 }
 
-TEST_F(SendOn, OfAllIsDeliveredWhereEachOneIs) {
+TEST_F(SendOn, ToAllIsDeliveredIfEachOneIs) {
   send(1h, [](std::uint8_t from) { return from != 2; });
   EXPECT_FALSE(stop.delivered);
 }
 
-TEST_F(SendOn, OfOneNodeIsDeliveredWhereTheLastOneIs) {
+TEST_F(SendOn, ToOneNodeIsDeliveredIfTheLastOneIs) {
   stop.of_all = false;
   send(1h, [](std::uint8_t from) { return from != 2; });
   EXPECT_TRUE(stop.delivered);

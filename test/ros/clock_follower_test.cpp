@@ -52,7 +52,7 @@ TEST_F(OuterTimeTest, GoesOnFromWhereItIsAfterAJumpBack) {
   EXPECT_EQ(jumps, 1);
 }
 
-TEST_F(OuterTimeTest, WhatTheDaemonRefusesWasNeverSaid) {
+TEST_F(OuterTimeTest, ATimeThatTheDaemonRefusesCountsAsNeverGiven) {
   take(1000 * kSecond);
   outer.next(9000 * kSecond);
   EXPECT_EQ(take(1001 * kSecond), kSecond);

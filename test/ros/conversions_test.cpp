@@ -50,7 +50,7 @@ TEST_F(SplitCommand, SendsNothingToNodesThatAreNotCommanded) {
   EXPECT_EQ(split.parts[0].node, 7);
 }
 
-TEST_F(SplitCommand, LeavesAJointOfACommandedNodeAloneThatIsNotNamed) {
+TEST_F(SplitCommand, DoesNotCommandAJointThatIsNotNamed) {
   message.name = {"hip_roll"};
   message.effort = {4};
   const auto split = split_command(message, joints);
@@ -89,7 +89,7 @@ TEST_F(SplitCommand, TakesNaNForNotGiven) {
   EXPECT_THAT(split.not_given, ElementsAre("knee_pitch"));
 }
 
-TEST_F(SplitCommand, RefusesWhatIsInfiniteNamingTheJoint) {
+TEST_F(SplitCommand, RefusesInfiniteValuesNamingTheJoint) {
   message.name = {"knee_pitch", "hip_roll"};
   message.position = {std::numeric_limits<double>::infinity(), 0};
   EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'knee_pitch' is infinity;"));
@@ -105,7 +105,7 @@ TEST_F(SplitCommand, RefusesAMessageWithoutNamesAndAJointNamedTwice) {
   EXPECT_THAT(refusal(), HasSubstr("'hip_roll' is named twice"));
 }
 
-TEST_F(SplitCommand, RefusesNamesAlone) {
+TEST_F(SplitCommand, RefusesNamesWithoutValues) {
   message.name = {"knee_pitch"};
   EXPECT_THAT(refusal(), HasSubstr("are all empty"));
 }
@@ -159,7 +159,7 @@ TEST(RosTime, KeepsEveryNanosecond) {
   EXPECT_EQ(time.nsec, 650440123u);
 }
 
-TEST(RosTime, EndsWhereRosHasNoFurtherTimes) {
+TEST(RosTime, EndsAtTheLastTimeOfRos) {
   EXPECT_EQ(to_ros_time(std::numeric_limits<std::int64_t>::max()), ros::TIME_MAX);
   EXPECT_EQ(to_ros_time(-1), ros::Time());
 }

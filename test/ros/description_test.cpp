@@ -102,7 +102,7 @@ TEST_F(HumanoidDescription, HasTheInertialsOfItsShapes) {
   EXPECT_NEAR(total, 26, 0.5);
 }
 
-TEST_F(HumanoidDescription, CollidesWithWhatIsSeen) {
+TEST_F(HumanoidDescription, HasTheSameShapesForCollisionAsForDisplay) {
   for (const auto& [name, link] : model->links_) {
     ASSERT_EQ(link->collision != nullptr, link->visual != nullptr) << name;
     if (!link->collision) continue;

@@ -63,7 +63,7 @@ class Diagnostics(unittest.TestCase):
             return not ill
         wait_for(are_well, lambda: 'all to be well; these are not: %s' % [self.all()[name] for name in ill])
 
-    def test_every_node_and_line_is_told_of_with_its_figures(self):
+    def test_every_node_and_line_is_reported_with_its_figures(self):
         names = [node.name for node in self.ring.status.get().nodes]
         lines = ['line %s -> %s' % pair for pair in zip(names, names[1:] + names[:1])]
         self.assertEqual(set(self.all()), set(names + lines + ['ring', 'promises']))
@@ -115,14 +115,14 @@ class Diagnostics(unittest.TestCase):
         self.wait_until_well()
         self.ring.status.wait(lambda status: status.message == '', 'nothing to be wrong')
 
-    def test_a_node_that_went_is_an_error_and_one_that_came_back_a_warning(self):
+    def test_a_node_that_is_gone_is_an_error_and_one_that_came_back_a_warning(self):
         kill_process(self.ring.node('right_elbow').pid)
         # On a busy machine it may be alone for longer than that is told.
         self.wait_for_all(('right_elbow', [WARN, ERROR], 'its daemon was restarted'))
         self.ring.wait_until_up()
         self.wait_until_well()
 
-    def test_what_the_shipped_analyzers_look_for_is_there_and_all_is_looked_for(self):
+    def test_what_the_shipped_analyzers_expect_exists_and_everything_is_analyzed(self):
         with open(ANALYZERS) as file:
             analyzers = yaml.safe_load(file)['analyzers']
         names = {PREFIX + name for name in self.all()}

@@ -45,7 +45,7 @@ TEST_F(Events, OfALinkNameTheOtherEnd) {
   EXPECT_EQ(down.text, "input lost: silent");
 }
 
-TEST_F(Events, OfAPinAreAResetWhereItIsWiredSo) {
+TEST_F(Events, OfAPinAreAResetIfItIsWiredSo) {
   const auto reset = only(knee, R"({"kind":"pin","factor":0,"source":0,"what":"reset"})");
   EXPECT_EQ(reset.kind, RingEvent::RESET);
   EXPECT_EQ(reset.other_node, "body");

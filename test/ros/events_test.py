@@ -67,7 +67,7 @@ class Events(unittest.TestCase):
             self.wait_for(RingEvent.HEALED, node)
         self.ring.wait_until_up()
 
-    def test_a_node_that_dies_and_comes_back_is_told(self):
+    def test_a_node_that_dies_and_comes_back_is_reported(self):
         before = self.ring.node('right_elbow')
         kill_process(before.pid)
         self.wait_for(RingEvent.NODE_STATE, 'right_elbow', lambda e: e.text == 'up -> down')
@@ -85,7 +85,7 @@ class Events(unittest.TestCase):
         self.wait_for(RingEvent.CPU_STATE, 'left_elbow',
                       lambda e: e.text == 'running' and e.value == answer.boots)
 
-    def test_another_interrupt_is_told_with_its_factor(self):
+    def test_another_interrupt_is_reported_with_its_factor(self):
         self.assertTrue(service('send_interrupt', SendInterrupt)(node='head', factor=2, force=False).success)
         interrupt = self.wait_for(RingEvent.INTERRUPT, 'head')
         self.assertEqual((interrupt.other_node, interrupt.value), ('body', 2))

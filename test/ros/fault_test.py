@@ -96,7 +96,7 @@ class Faults(unittest.TestCase):
         self.assertTrue(self.clear(id=killed.id).success)
         self.ring.wait_until_up()
 
-    def test_what_commands_the_robot_does_not_wait_for_nodes_that_are_frozen_for_a_time(self):
+    def test_what_commands_the_robot_is_not_delayed_by_nodes_that_are_frozen_for_a_time(self):
         nodes = ['right_elbow', 'left_ankle', 'left_elbow', 'right_ankle']   # more than calls are served at a time
         freezes = [threading.Thread(target=self.inject, kwargs={'fault': 'freeze %s for=300s' % node}) for node in nodes]
         for freeze in freezes:
@@ -111,7 +111,7 @@ class Faults(unittest.TestCase):
             subprocess.call(['rosrun', 'limb_ring', 'ringctl', '--ring', ring, 'fault', 'clear'])
         self.ring.wait_until_up()
 
-    def test_daemons_that_the_bridge_has_started_do_not_stay_when_they_have_ended(self):
+    def test_daemons_that_the_bridge_has_started_leave_no_zombies(self):
         uri = rospy.get_master().lookupNode(rospy.resolve_name('ring_bridge'))[2]
         bridge = xmlrpc.client.ServerProxy(uri).getPid('fault_test')[2]
         for _ in range(3):
@@ -121,20 +121,20 @@ class Faults(unittest.TestCase):
         states = [process_state(pid) for pid in pids() if parent_of(pid) == bridge]
         self.assertLessEqual(states.count('Z'), 1, states)
 
-    def test_a_drawn_seed_is_told(self):
+    def test_a_drawn_seed_is_reported(self):
         answer = self.begin('corrupt left_hip -> left_hip_yaw once_in=1000')
         self.assertIn(' seed=', answer.message)
         self.assertTrue(self.clear(id='').success)
         wait_for(lambda: not self.list().ids, 'no faults')
 
-    def test_what_cannot_be_says_why(self):
+    def test_what_is_impossible_says_why(self):
         self.assertIn("did you mean 'left_knee'", self.inject(fault='hang left_kneee').message)
         self.assertIn('a line from one node to the next', self.inject(fault='cut head:left_knee').message)
         self.assertIn('this bridge', self.inject(fault='hang body').message)
         self.assertIn('any more', self.clear(id='left_knee.99').message)
         self.assertFalse(self.inject(fault='').success)
 
-    def test_what_is_long_is_shown_by_its_beginning(self):
+    def test_what_is_too_long_is_shown_by_its_beginning(self):
         word = 'x' * 100000
         for answer in [self.inject(fault=word), self.clear(id=word), service('stop', Stop)(node=word),
                        service('reset_node', ResetNode)(node=word)]:

@@ -118,7 +118,7 @@ class FollowClock(unittest.TestCase):
             wait_for(lambda: len(begun()) > turn, "the ring's clock to begin")
             self.assertEqual(ringctl('down'), 0)
 
-    def test_what_was_allowed_before_a_jump_back_is_still_to_come_which_is_said(self):
+    def test_what_was_allowed_before_a_jump_back_still_runs_and_that_is_reported(self):
         said = []
         rospy.Subscriber('/rosout', Log, lambda line: said.append(line.msg))
         joints = Newest('joint_states', JointState)

@@ -95,7 +95,7 @@ TEST_F(Frames, OfABrokenOffPacketHoldWhatHasCome) {
   EXPECT_THAT(frame.payload, ElementsAre(10, 20));
 }
 
-TEST_F(Frames, AreThoseOfTheOwnInputWhereNothingIsChosen) {
+TEST_F(Frames, AreThoseOfTheOwnInputIfNothingIsChosen) {
   const auto filter = read_frame_filter(XmlRpcValue(), ring, ring.nodes.at(2));
   ASSERT_EQ(filter.nodes.size(), 1u);
   EXPECT_EQ(filter.nodes.front()->name, "hip");

@@ -77,7 +77,7 @@ class Health : public ::testing::Test {
   LineHealth line{ring.nodes.at(1), ring.nodes.at(2)};
 };
 
-TEST_F(Health, IsOkWhereNothingIsWrongWhateverWasCountedBefore) {
+TEST_F(Health, IsOkIfNothingIsWrongWhateverWasCountedBefore) {
   take();
   EXPECT_EQ(of_node().level, Level::OK);
   EXPECT_EQ(of_line().level, Level::OK);
@@ -119,7 +119,7 @@ TEST_F(Health, OfTheRingWarnsOfANodeThatIsDownAndOfAStop) {
   EXPECT_EQ(of_ring().level, Level::ERROR);
 }
 
-TEST_F(Health, OfTheRingIsSaidForPeopleWhereSomethingIsWrong) {
+TEST_F(Health, OfTheRingIsSaidForPeopleIfSomethingIsWrong) {
   EXPECT_EQ(what_is_wrong(status.nodes), "");
   hip().cpu_state = "silent";
   EXPECT_EQ(what_is_wrong(status.nodes), "CPU of hip silent");
@@ -129,7 +129,7 @@ TEST_F(Health, OfTheRingIsSaidForPeopleWhereSomethingIsWrong) {
   EXPECT_EQ(what_is_wrong(status.nodes), "2 of 3 nodes up; CPU of hip silent; 1 stopped until `resume`");
 }
 
-TEST_F(Health, IsStaleForANodeNobodyHasHeardAndAnErrorForOneThatWent) {
+TEST_F(Health, IsStaleForANodeNobodyHasHeardAndAnErrorForOneThatIsGone) {
   const NodeStatus well = knee();
   knee() = unheard();
   take();
@@ -174,7 +174,7 @@ TEST_F(Health, IsAnErrorForANodeOfAnotherHostWhoseBeaconsAreOld) {
   EXPECT_EQ(of_node().level, Level::ERROR);
 }
 
-TEST_F(Health, IsStaleNotAnErrorWhereThereIsNobodyToAsk) {
+TEST_F(Health, IsStaleNotAnErrorIfThereIsNobodyToAsk) {
   take();
   status.connected = false;
   knee() = unheard();
@@ -191,7 +191,7 @@ TEST_F(Health, IsAnErrorForAHungCpu) {
   EXPECT_EQ(of_line().level, Level::OK);
 }
 
-TEST_F(Health, WarnsWhereTheRingCouldNotFoldBack) {
+TEST_F(Health, WarnsIfTheRingCouldNotFoldBack) {
   knee().second_input_state = "down";
   take();
   EXPECT_EQ(of_node().level, Level::WARN);
@@ -291,7 +291,7 @@ TEST_F(Health, OfALineWarnsOfABypass) {
   EXPECT_THAT(of_line().message, HasSubstr("hip hears node 0"));
 }
 
-TEST_F(Health, OfALineIsStaleWhereNeitherEndIsKnown) {
+TEST_F(Health, OfALineIsStaleIfNeitherEndIsKnown) {
   knee() = unheard();
   hip() = unheard_node(ring.nodes.at(2));
   take();

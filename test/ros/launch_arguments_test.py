@@ -118,7 +118,7 @@ class LaunchArguments(unittest.TestCase):
             self.assertEqual(done.returncode, code, done.stdout)
             self.assertIn(said, done.stdout)
 
-    def test_what_keeps_the_bridge_from_starting_is_said_and_ends_the_launch(self):
+    def test_what_keeps_the_bridge_from_starting_is_reported_and_ends_the_launch(self):
         for argument, said in (('bridge_node:=nobody', "no node 'nobody'"),
                                ('bridge_node:=neck', "node 'neck' has 'cpu: none'"),
                                ('rate:=-3', 'it must be 0 (as configured) or 0.01 to 1000 Hz'),
@@ -143,10 +143,10 @@ class LaunchArguments(unittest.TestCase):
             with self.subTest(argument):
                 self.assertIn(option + ' requires --clock', roslaunch('nodes:=2', 'ring:=' + own_ring(), argument))
 
-    def test_what_keeps_the_walk_from_starting_is_said_and_ends_the_launch(self):
+    def test_what_keeps_the_walk_from_starting_is_reported_and_ends_the_launch(self):
         self.assertIn('it must be 0.8 to 10 s', roslaunch('ring:=' + own_ring(), 'step:=99', file='demo.launch'))
 
-    def test_what_keeps_the_view_from_starting_is_said(self):
+    def test_what_keeps_the_view_from_starting_is_reported(self):
         ended = subprocess.run(['rosrun', 'limb_ring', 'ring_view', '_config:=no_such.yaml'], text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
         self.assertIn('no_such.yaml: there is no such file', ended.stdout)
@@ -200,11 +200,11 @@ class LaunchArguments(unittest.TestCase):
         self.assertEqual((ended.returncode, ended.stderr), (0, ''))
         self.assertIn('usage: virtual_demo', ended.stdout)
 
-    def test_a_bag_is_played_where_one_is_given(self):
+    def test_a_bag_is_played_if_one_is_given(self):
         self.assertIn('/play', launched_nodes('bag:=any.bag'))
         self.assertNotIn('/play', launched_nodes())
 
-    def test_a_view_is_shown_where_one_is_asked_for(self):
+    def test_a_view_is_shown_if_one_is_asked_for(self):
         self.assertTrue({'/rviz', '/ring_view', '/robot_state_publisher'} <= set(launched_nodes('view:=true')))
         self.assertFalse({'/rviz', '/ring_view'} & set(launched_nodes()))
 

@@ -12,7 +12,7 @@ TEST(MasterState, OfAMasterThatIsGoneIsNotWaitedFor) {
   EXPECT_FALSE(master_state());
 }
 
-TEST(MasterState, HasNoNodesOfWhatNobodyHas) {
+TEST(MasterState, HasNoNodesForAnUnknownName) {
   const MasterState state{{{"/scan", {"/laser"}}}, {}, {}};
   EXPECT_EQ(MasterState::of(state.publishers, "/scan").size(), 1u);
   EXPECT_TRUE(MasterState::of(state.publishers, "/map").empty());

@@ -110,7 +110,7 @@ class OwnSensors(unittest.TestCase):
             publisher.unregister()
         self.ring.status.wait(lambda status: set(status.silent_sensors) >= set(OF_TOPICS), 'silent again')
 
-    def test_what_does_not_fit_is_said_with_the_node_that_sends_it(self):
+    def test_what_does_not_fit_is_reported_with_the_node_that_sends_it(self):
         for node, packet, words in (
                 ('leg', JointState([JointState.Joint(), JointState.Joint()]), 'it sends the state of 2 joints'),
                 ('leg', self.reading(1, 'imu'), 'it sends a reading of an IMU as sensor 1 (from 0)'),

@@ -21,9 +21,7 @@ std::string refusal(const config::RingConfig& ring, const std::string& node) {
   return "not refused";
 }
 
-TEST(BridgeNode, IsTheOnlyOneWithAnAttachedCpuWhereNoneIsNamed) {
-  EXPECT_EQ(bridge_node(small_robot(), "").name, "body");
-}
+TEST(BridgeNode, IsTheOnlyOneWithAnAttachedCpuIfNoneIsNamed) { EXPECT_EQ(bridge_node(small_robot(), "").name, "body"); }
 
 TEST(BridgeNode, MayBeNamedByNameOrId) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/two_bridges.yaml");
@@ -31,18 +29,18 @@ TEST(BridgeNode, MayBeNamedByNameOrId) {
   EXPECT_EQ(bridge_node(ring, "2").name, "head");
 }
 
-TEST(BridgeNode, IsTheFirstOfSeveralWhereNoneIsNamed) {
+TEST(BridgeNode, IsTheFirstOfSeveralIfNoneIsNamed) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/two_bridges.yaml");
   EXPECT_EQ(bridge_node(ring, "").name, "body");
 }
 
-TEST(BridgeNode, IsRefusedWithTheChoiceWhereItIsUnknownOrHasACpuOfItsOwn) {
+TEST(BridgeNode, IsRefusedWithTheChoiceIfItIsUnknownOrHasACpuOfItsOwn) {
   EXPECT_THAT(refusal(small_robot(), "tail"), HasSubstr("no node 'tail'"));
   EXPECT_THAT(refusal(small_robot(), "knee"), HasSubstr("has a CPU of its own"));
   EXPECT_THAT(refusal(small_robot(), "knee"), HasSubstr("nodes for a bridge: body"));
 }
 
-TEST(BridgeNode, IsRefusedWhereItHasJointsOrSensorsOfWhichNothingWouldEverCome) {
+TEST(BridgeNode, IsRefusedIfItHasJointsOrSensorsOfWhichNothingWouldEverCome) {
   auto ring = small_robot();
   ring.nodes[0].sensors = {ring.nodes[2].sensors[0]};
   EXPECT_THAT(refusal(ring, ""),
@@ -52,7 +50,7 @@ TEST(BridgeNode, IsRefusedWhereItHasJointsOrSensorsOfWhichNothingWouldEverCome) 
   EXPECT_THAT(refusal(ring, ""), HasSubstr("has joint 'knee_pitch'"));
 }
 
-TEST(Parameter, IsWhatWasGivenElseTheUsual) {
+TEST(Parameter, IsTheGivenValueElseTheDefault) {
   using XmlRpc::XmlRpcValue;
   EXPECT_EQ(text_parameter("node", XmlRpcValue("head")), "head");
   EXPECT_EQ(text_parameter("node", XmlRpcValue(12)), "12");
@@ -101,7 +99,7 @@ TEST(Parameter, OfAnotherTypeIsRefusedByName) {
               HasSubstr("~promises must be true or false, and is 'yes'"));
 }
 
-TEST(Parameter, ThatNobodyReadsIsFound) {
+TEST(Parameter, ThatIsNeverReadIsFound) {
   EXPECT_TRUE(unknown_parameters(XmlRpc::XmlRpcValue()).empty());
   XmlRpc::XmlRpcValue own;
   own["config"] = "ring.yaml";
@@ -110,7 +108,7 @@ TEST(Parameter, ThatNobodyReadsIsFound) {
   EXPECT_EQ(unknown_parameters(own), std::vector<std::string>{"noed"});
 }
 
-TEST(BridgeNode, IsTheFirstNodeWhereNoneHasAnAttachedCpu) {
+TEST(BridgeNode, IsTheFirstNodeIfNoneHasAnAttachedCpu) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/plain4.yaml");
   EXPECT_EQ(bridge_node(ring, "").name, "node0");
   EXPECT_THAT(refusal(ring, "node1"), HasSubstr("give one of them 'cpu: attached'"));

@@ -57,9 +57,7 @@ TEST(PeriodicCalls, OfSeveralTheFirstDeadlineIsNextAndOnlyWhatIsDueIsCalled) {
   EXPECT_EQ(seldom, 1);
 }
 
-TEST(PeriodicCalls, NothingIsDueWhereThereIsNoCall) {
-  EXPECT_EQ(PeriodicCalls().next_due(), PeriodicCalls::Time::max());
-}
+TEST(PeriodicCalls, NothingIsDueIfThereIsNoCall) { EXPECT_EQ(PeriodicCalls().next_due(), PeriodicCalls::Time::max()); }
 
 TEST(PeriodicCalls, OnAClockThatIsBehindTheyAreCountedAnew) {
   PeriodicCalls calls;

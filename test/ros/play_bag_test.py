@@ -47,7 +47,7 @@ class PlayBag(unittest.TestCase):
         publishers = rosgraph.Master('/play_bag_test').getSystemState()[0]
         return {topic for topic, nodes in publishers if self.name in nodes} - {'/clock', '/rosout'}
 
-    def test_plays_what_the_ring_takes_alone(self):
+    def test_plays_only_what_the_ring_takes(self):
         commands, wrench = Newest('joint_commands', JointState), Newest('wrench', String)
         self.play('--config', CONFIG, self.bag, '--loop', '--rate', '10')
         self.assertEqual(commands.wait(lambda _: True, 'a command').name, ['b'])
@@ -100,7 +100,7 @@ class PlayBag(unittest.TestCase):
         wait_for(lambda: not self.played(), 'the end of the bag')
         self.assertIsNone(staying.poll())
 
-    def test_waits_for_the_ring_where_it_is_told_to(self):
+    def test_waits_for_the_ring_if_it_is_told_to(self):
         commands = Newest('joint_commands', JointState)
         ring = rospy.Publisher('ring_status', RingStatus, queue_size=1, latch=True)
         self.addCleanup(ring.unregister)
@@ -120,7 +120,7 @@ class PlayBag(unittest.TestCase):
         self.assertEqual(ended.returncode, 2)
         self.assertIn('nothing that the ring takes (/joint_commands); it has /odom', said)
 
-    def test_what_is_no_text_is_an_error_that_names_the_file(self):
+    def test_what_is_not_text_is_an_error_that_names_the_file(self):
         garbage = self.bag + '.garbage'
         with open(garbage, 'wb') as file:
             file.write(b'\xff\xfe')

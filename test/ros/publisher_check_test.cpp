@@ -7,12 +7,12 @@ namespace {
 
 using Verdict = PublisherCheck::Verdict;
 
-TEST(PublisherCheck, AsksNobodyWhereNobodyHasEverPublished) {
+TEST(PublisherCheck, AsksNobodyIfNobodyHasEverPublished) {
   PublisherCheck check;
   EXPECT_FALSE(check.wants_look(0));
 }
 
-TEST(PublisherCheck, AsksOnceWhereAPublisherCame) {
+TEST(PublisherCheck, AsksOnceIfAPublisherCame) {
   PublisherCheck check;
   EXPECT_TRUE(check.wants_look(1));
   EXPECT_EQ(check.look(1, 1), Verdict::well);

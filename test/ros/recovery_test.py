@@ -100,7 +100,7 @@ class Recovery(unittest.TestCase):
         self.ring.wait_for_node('left_knee', lambda n: n.commands_not_obeyed == before + 1, 'to count the command')
         commands.unregister()
 
-    def test_all_are_resumed_even_where_the_time_is_up_at_the_first(self):
+    def test_all_are_resumed_even_if_the_time_is_up_at_the_first(self):
         self.assertTrue(service('stop', Stop)(node='', timeout=rospy.Duration(20)).success)
         limbs = [n.name for n in self.ring.status.get().nodes if n.states_received]
         for name in limbs:

@@ -59,7 +59,7 @@ TEST_F(Respawned, IsStartedAgainWhenItEnds) {
   end_starter();
 }
 
-TEST_F(Respawned, IsNotWhereWhoeverStartedItAllIsGone) {
+TEST_F(Respawned, IsNotStartedAgainOnceItsStarterIsGone) {
   const pid_t pid = next_start();
   end_starter();
   close(may_run.ends[1]);

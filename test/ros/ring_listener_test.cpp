@@ -15,7 +15,7 @@ namespace {
 
 using Listening = test::OwnFolder;
 
-TEST_F(Listening, AFrozenDaemonLetsNobodyWait) {
+TEST_F(Listening, AFrozenDaemonKeepsNobodyWaiting) {
   const config::RingConfig ring = small_robot();
   const StoppedHolder holder(ring.nodes[0]);
   const test::FakeDaemon frozen("small", ring.nodes[0].name);

@@ -22,7 +22,7 @@ std::vector<std::string> names_of(const std::vector<ask::Node>& nodes) {
   return names;
 }
 
-TEST(ServiceRequest, ATimeoutOfNothingIsTheUsualOne) {
+TEST(ServiceRequest, ATimeoutOfZeroIsTheDefault) {
   EXPECT_EQ(timeout_of(ros::Duration(0)), 10s);
   EXPECT_EQ(timeout_of(ros::Duration(0), 3s), 3s);
 }
@@ -56,7 +56,7 @@ TEST(ServiceRequest, AnUnknownNodeIsRefusedWithThoseThereAre) {
   EXPECT_THROW(nodes_to_ask(ring, "elbow"), std::invalid_argument);
 }
 
-TEST(ServiceRequest, AllAreAskedWhereNoneIsNamed) {
+TEST(ServiceRequest, AllAreAskedIfNoneIsNamed) {
   const auto ring = small_robot();
   for (const char* all : {"", "all"})
     EXPECT_THAT(names_of(nodes_to_ask(ring, all)), ::testing::ElementsAre("body", "knee", "hip"));

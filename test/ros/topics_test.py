@@ -69,7 +69,7 @@ class Topics(unittest.TestCase):
         self.assertEqual([m for m in received.bytes() if m != first],
                          [serialized(m) for m in sent])
 
-    def test_a_topic_is_carried_on_where_its_type_has_changed(self):
+    def test_a_topic_is_carried_on_after_its_type_has_changed(self):
         for message in [String('text'), Int32(5), String('text again'), LongerString('defined anew')]:
             received = Received('/head/wrench_there')
             there = publisher_across('/body/wrench', type(message))

@@ -140,7 +140,7 @@ TEST_F(Picture, KnowsALoadInEachLoopOfABag) {
   EXPECT_DOUBLE_EQ(*load.of(7), 0.5);
 }
 
-TEST(Limbs, AreMarkedInTheirFramesWhereTheirNodeIsDown) {
+TEST(Limbs, AreMarkedInTheirFramesIfTheirNodeIsDown) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/humanoid16.yaml");
   const LimbMarks limbs(ring, humanoid_urdf());
   EXPECT_EQ(limbs.root(), "base_link");
@@ -157,7 +157,7 @@ TEST(Limbs, AreMarkedInTheirFramesWhereTheirNodeIsDown) {
   EXPECT_THAT(frames, ElementsAre("l_ankle_pitch_link", "l_ankle_roll_link"));
 }
 
-TEST(Limbs, AreNoneWithoutARobotAndAnErrorForWhatIsNoDescription) {
+TEST(Limbs, AreAbsentWithoutARobotAndAnErrorForAnInvalidDescription) {
   const auto ring = small_robot();
   EXPECT_THAT(LimbMarks(ring, "").markers(RingStatus()), IsEmpty());
   EXPECT_THROW(LimbMarks(ring, "<robot/>"), std::invalid_argument);

@@ -34,7 +34,7 @@ TEST_F(DuePinsOfNode, PulledOnceIsRight) {
   EXPECT_THAT(complaints, IsEmpty());
 }
 
-TEST_F(DuePinsOfNode, NotPulledIsWrongWhereItIsSure) {
+TEST_F(DuePinsOfNode, NotPulledIsWrongIfItIsSure) {
   put(true);
   due.judge(kThen);
   EXPECT_THAT(complaints, IsEmpty()) << "it may still be pulled in this instant";
@@ -42,7 +42,7 @@ TEST_F(DuePinsOfNode, NotPulledIsWrongWhereItIsSure) {
   EXPECT_THAT(complaints, ElementsAre(HasSubstr("did not pull pin 2")));
 }
 
-TEST_F(DuePinsOfNode, MayBeLeftOutWhereItIsNotSure) {
+TEST_F(DuePinsOfNode, MayBeLeftOutIfItIsNotSure) {
   put(false);
   time_goes_on();
   EXPECT_THAT(complaints, IsEmpty());

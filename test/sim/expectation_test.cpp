@@ -28,7 +28,7 @@ TEST(Expectation, OfLatency) {
             "always {latency: x, at_most: 6239ns}; 6240ns");
 }
 
-TEST(Expectation, OfLatencyIsUnmetWhereNoneWasConfirmed) {
+TEST(Expectation, OfLatencyIsUnmetIfNoneWasConfirmed) {
   const std::string lost = "steps:\n  - {at: 1ms, do: {kill: node2}}\n" + kSent.substr(kSent.find("  -"));
   EXPECT_EQ(unmet_of(lost + when("{latency: x, at_most: 1s}", "100ms")),
             "when {latency: x, at_most: 1s} within 100ms; none was confirmed");
@@ -55,7 +55,7 @@ TEST(Expectation, OfAState) {
             "always {node: all, is: up}; node3 is down");
 }
 
-TEST(Expectation, OfLivingNodesIsUnmetWhereNoneLives) {
+TEST(Expectation, OfLivingNodesIsUnmetIfNoneLives) {
   const std::string nobody = "steps:\n  - {at: 1ms, do: {kill: all}}\n";
   EXPECT_EQ(unmet_of(nobody + when("{node: living, is: up}", "1ms")),
             "when {node: living, is: up} within 1ms; no node is alive");
@@ -76,7 +76,7 @@ TEST(Expectation, OfALocatedBreak) {
       "when {located: node0 -> node1} within 300ms; node0 does not know; node2 does not know; node3 does not know");
 }
 
-TEST(Expectation, IsUnmetWhereAStepIsTooLate) {
+TEST(Expectation, IsUnmetIfAStepIsTooLate) {
   EXPECT_THAT(unmet_of("steps:\n  - {at: 1ms, do: {cut: node0 -> node1}}\n" +
                        when("{node: all, is: open_chain}", "1s") + "  - {at: 2ms}\n"),
               StartsWith("a step that is in time"));

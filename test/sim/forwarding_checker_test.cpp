@@ -53,7 +53,7 @@ TEST_F(Forwarding, AnotherFbcIsSeen) {
   EXPECT_THAT(what, HasSubstr("goes on with FBC 3 instead of 0 at node 4"));
 }
 
-TEST_F(Forwarding, AnyFbcIsRightWhereNobodyCanTell) {
+TEST_F(Forwarding, AnyFbcIsRightIfNobodyCanTell) {
   checker.came(header(false, 1_id), 2_id, {ForwardingChecker::kAnyFbc}, kSize, Time(0ns));
   checker.went(header(false, 1_id), trailer(3, 2_id), Time(100ns));
   EXPECT_THAT(broken, IsEmpty());

@@ -86,7 +86,7 @@ TEST(Goals, AreCountedInTheReport) {
   EXPECT_EQ(run.log.back().what.words, "sometimes starts_in_a_lap: two nodes start within one lap: 1 time");
 }
 
-TEST(Goals, AreNamedWithWhatWasMeantWhereTheyAreUnknown) {
+TEST(Goals, AreNamedWithWhatWasMeantIfTheyAreUnknown) {
   EXPECT_THAT(refusal_of(four_nodes("sometimes: [cut_of]\nsteps: [{at: 1ms}]\n")),
               AllOf(HasSubstr("test.yaml:3:13: entry 'sometimes[0]': 'cut_of' is not a goal, did you mean 'cut_off'?"),
                     HasSubstr("ring_sim soak --goals")));

@@ -27,7 +27,7 @@ TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLiveRuns) {
   EXPECT_EQ(scenario.steps[0].within.sim, std::chrono::microseconds(200));
 }
 
-TEST(LoadScenario, LiveRunsHaveMoreTimeWhereTheFileGivesOne) {
+TEST(LoadScenario, LiveRunsHaveMoreTimeIfTheFileGivesOne) {
   const auto within = [](const std::string& time) {
     const std::string step = "{when: {node: all, is: up}, within: " + time + "}";
     return parse_scenario(four_nodes("steps: [" + step + "]\n"), "t").steps[0].within;
@@ -76,7 +76,7 @@ TEST(LoadScenario, RefusesALineThatTheRingDoesNotHave) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node1 -> node0}}]\n")), HasSubstr("a ring that folds back"));
 }
 
-TEST(LoadScenario, SaysWhereAFaultIsToldMore) {
+TEST(LoadScenario, SaysHowOptionsOfAFaultAreWritten) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {freeze: node2, for: 100ms}}]\n")),
               HasSubstr("entry 'steps[0].do.for': is beside freeze, not in it; allowed: freeze: {nodes: N, for: ...}"));
   EXPECT_THAT(

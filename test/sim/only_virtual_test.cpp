@@ -32,7 +32,7 @@ TEST(OnlyVirtual, SendsThatAResetCancels) {
   EXPECT_THAT(reasons("steps:\n" + kSmallSend + "never: " + cancelled), ElementsAre(HasSubstr("outlive a reset")));
 }
 
-TEST(OnlyVirtual, EmbeddingWhereLinesTakeNoTime) {
+TEST(OnlyVirtual, EmbeddingOnLinesThatTakeNoTime) {
   EXPECT_THAT(reasons("steps: []\nnever: [{counter: embedded_interrupts, of: all, at_least: 1}]\n"),
               ElementsAre(HasSubstr("embedded_interrupts")));
 }

@@ -38,7 +38,7 @@ TEST_F(SupervisorRun, ABootTakesAsLongAsTheScenarioSays) {
               HasSubstr("node0 has heard that it is booting"));
 }
 
-TEST_F(SupervisorRun, LeavesItAloneWhereItOnlyReports) {
+TEST_F(SupervisorRun, LeavesItAloneIfItOnlyReports) {
   EXPECT_THAT(unmet("report", std::string(kHang) + "  - {when: {cpu: node2, is: running, boots: 2}, within: 10s}\n"),
               HasSubstr("it is silent in boot 1"));
 }

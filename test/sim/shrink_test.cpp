@@ -40,7 +40,7 @@ never:
   - {node: node2, is: down}
 )";
 
-TEST_F(Shrink, LeavesWhatTheExpectationIsMissedBy) {
+TEST_F(Shrink, KeepsTheStepsThatMakeTheExpectationFail) {
   const auto small = shrunk(kNight);
   ASSERT_TRUE(small);
   EXPECT_EQ(small->before.faults, 5u);
@@ -53,7 +53,7 @@ TEST_F(Shrink, LeavesWhatTheExpectationIsMissedBy) {
     EXPECT_THAT(small->text, Not(HasSubstr(gone))) << gone;
 }
 
-TEST_F(Shrink, EndsAfterSoManyRunsWithWhatItHas) {
+TEST_F(Shrink, EndsAfterItsLimitOfRunsWithWhatItHas) {
   request_.most_runs = 3;
   const auto smaller = shrunk(kNight);
   ASSERT_TRUE(smaller);
@@ -127,7 +127,7 @@ TEST_F(Shrink, ItsSeedIsInIt) {
   EXPECT_THAT(small->text, HasSubstr("seed: 77"));
 }
 
-TEST_F(Shrink, OneThatIsAsExpectedHasNothingToFind) {
+TEST_F(Shrink, AScenarioThatPassesHasNothingToShrink) {
   EXPECT_FALSE(shrunk("scenario: a test\nnodes: 4\nsteps: [{at: 1ms}]\nalways: [{node: all, is: up}]\n"));
 }
 
@@ -148,7 +148,7 @@ never: [{node: node1, is: down}]
   EXPECT_THAT(small->text, HasSubstr("ring: ../ring.yaml"));
 }
 
-TEST(ScenarioSize, InWordsKnowsOneFromMany) {
+TEST(ScenarioSize, InWordsHasASingularAndAPlural) {
   EXPECT_EQ(in_words(ScenarioSize{1, 1}), "1 fault and 1 send");
   EXPECT_EQ(in_words(ScenarioSize{0, 40}), "0 faults and 40 sends");
 }

@@ -58,7 +58,7 @@ TEST(SoakWorld, ExpectsThatTheRingIsWholeAgainAndIsVirtualAlone) {
   EXPECT_THAT(only_virtual(scenario, ""), ElementsAre("world: soak"));
 }
 
-TEST(SoakWorld, RefusesWhatItHasNot) {
+TEST(SoakWorld, RefusesWhatItDoesNotHave) {
   const auto refusal = [](const std::string& more) { return refusal_of(four_nodes(more)); };
   EXPECT_THAT(refusal("steps: [{do: {cancel: node0}}]\n"), HasSubstr("allowed: world: soak"));
   EXPECT_THAT(refusal("rate: unlimited\nsteps: []\n"), HasSubstr("is not possible here"));

@@ -87,7 +87,7 @@ TEST_F(StageRun, AWaitThatIsNotMetEndsWithItsLimit) {
   EXPECT_EQ(run.unmet->seen, "node3 is up, in a ring of 4");
 }
 
-TEST_F(StageRun, AStepThatIsLateIsDoneAtOnceWhereTimeIsNotExact) {
+TEST_F(StageRun, AStepThatIsLateIsDoneAtOnceIfTimeIsNotExact) {
   stage.per_action = 70ms;
   const ScenarioRun run = play("steps: [{at: 10ms, do: {kill: node3}}, {at: 20ms, do: {start: node3}}]\n");
   EXPECT_FALSE(run.unmet);

@@ -37,14 +37,14 @@ struct CableOfAFoldingRing : testing::Test {
   void let_it_settle() { ring.run_until(ring.now() + milliseconds(500)); }
 };
 
-TEST_F(CableOfAFoldingRing, IsFoldedAroundWhereBothItsWiresAreCutInOneInstant) {
+TEST_F(CableOfAFoldingRing, IsFoldedAroundIfBothItsWiresAreCutInOneInstant) {
   cut_first();
   cut_second();
   let_it_settle();
   EXPECT_EQ(sent_across(), core::Outcome::delivered);
 }
 
-TEST_F(CableOfAFoldingRing, IsFoldedAroundWhereTheSecondWireIsCutBefore) {
+TEST_F(CableOfAFoldingRing, IsFoldedAroundIfTheSecondWireIsCutBefore) {
   cut_second();
   let_it_settle();
   cut_first();

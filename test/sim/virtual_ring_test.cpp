@@ -31,7 +31,7 @@ TEST(VirtualRing, ACpuThatReadsAgainTakesWhatHasWaitedAtOnce) {
   EXPECT_EQ(ring.log(1_id).packets.size(), 1u);
 }
 
-TEST(VirtualRing, JoinsNoLongerWhenItIsAskedToStop) {
+TEST(VirtualRing, StopsJoiningWhenItIsAskedToStop) {
   VirtualRing ring(gigabit(3));
   ring.tap(1_id, [](const wire::Slice&, core::Time, wire::SliceWriter&) {});  // nothing comes round
   unsigned asked = 0;

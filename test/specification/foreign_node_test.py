@@ -114,7 +114,7 @@ class ForeignNode(WithAForeignNode):
         self.wait('the word in status: ' + words, is_told)
         self.assertIn(words, ''.join(self.log_of(process) for what, process in self.processes if what == 'ringd_0'))
 
-    def test_it_is_named_where_it_does_not_count_hop(self):
+    def test_it_is_named_if_it_does_not_count_hop(self):
         self.close_unix_ring()
         judge = self.start('judge', [ring_process.program('ringctl'), '--ring', self.ring, 'traffic', 'judge'])
         self.node.adds_hop = 0
@@ -123,12 +123,12 @@ class ForeignNode(WithAForeignNode):
         self.wait('the word of judge', lambda: words in self.log_of(judge))
         self.assertIn('3 of 3 nodes up, but by HOP the ring has 2', self.ctl('--ring', self.ring, 'status').stdout)
 
-    def test_it_is_named_where_it_passes_nothing_on(self):
+    def test_it_is_named_if_it_passes_nothing_on(self):
         self.close_unix_ring()
         self.node.relays = False
         self.assert_told('node2 passes nothing on: it hears node1, and only its own packets come (protocol.md section 2.2)')
 
-    def test_it_is_named_where_it_sends_what_is_no_packet(self):
+    def test_it_is_named_if_it_sends_what_is_not_a_packet(self):
         self.close_unix_ring()
         with self.node.lock:
             self.node.write(WHOLE, bytes([0, 0, 0, 1]) + self.damaged_packet()[4:])

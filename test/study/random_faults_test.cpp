@@ -88,7 +88,7 @@ void expect_no_broken_promise(std::uint64_t runs, RandomFaults::FoldBack fold_ba
 }
 
 // Hosts lose each other and regroup, ends of lines notice that late, and faults come in bursts within a lap.
-TEST(RandomFaults, BreakNoPromiseWhereRingsFallIntoParts) {
+TEST(RandomFaults, BreakNoPromiseIfRingsFallIntoParts) {
   expect_no_broken_promise(kRuns / 3, RandomFaults::FoldBack::some, RandomFaults::World::parts);
 }
 
@@ -99,7 +99,7 @@ TEST(RandomFaults, BreakNoPromiseInStorms) {
 
 // Three false alarms of that world. A joining node drops its hello when its output is turned back, by the word of its
 // neighbour, too; and one that is still starting starts over without showing it.
-TEST(RandomFaults, BreakNoPromiseInStormsWhereANodeThatComesIsDisturbed) {
+TEST(RandomFaults, BreakNoPromiseInStormsIfANodeThatComesIsDisturbed) {
   for (const std::uint64_t seed : {5100000423ull, 5100000431ull, 5100000508ull, 5100002504ull}) {
     RandomFaults run(seed, RandomFaults::FoldBack::some, RandomFaults::World::storms);
     run.run();
@@ -120,34 +120,34 @@ TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverUnseen) {
 }
 
 // A joining node whose hello is lost while a line is down does not start over: what it refused it refuses again.
-TEST(RandomFaults, BreakNoPromiseWhereAJoiningNodeWaitsForALineAgain) { expect_no_breach({2000009148}); }
+TEST(RandomFaults, BreakNoPromiseIfAJoiningNodeWaitsForALineAgain) { expect_no_breach({2000009148}); }
 
 // Of two copies of a try the first came home damaged, and so it was sent again: the good one refused nothing.
-TEST(RandomFaults, BreakNoPromiseWhereASecondCopyComesHomeInTheInstantOfARetry) { expect_no_breach({3600034134}); }
+TEST(RandomFaults, BreakNoPromiseIfASecondCopyComesHomeInTheInstantOfARetry) { expect_no_breach({3600034134}); }
 
 // A refused packet of which an earlier try had been taken went again into an open chain, where nobody could tell its
 // source that the receiver had forgotten that try.
-TEST(RandomFaults, BreakNoPromiseWhereAReceiverStartsOverBeforeABreak) { expect_no_breach({3602020784}); }
+TEST(RandomFaults, BreakNoPromiseIfAReceiverStartsOverBeforeABreak) { expect_no_breach({3602020784}); }
 
 // False alarms that came with that: the source had been reset, or had started over, before the last bit of the beacon
 // with the break was in, and its result was told only then.
-TEST(RandomFaults, BreakNoPromiseWhereASourceStartsOverAsItHearsOfABreak) {
+TEST(RandomFaults, BreakNoPromiseIfASourceStartsOverAsItHearsOfABreak) {
   expect_no_breach({3615001321, 3615010875, 3610015667});
 }
 
 // A node that had started over said its hello into an open chain; behind the break nobody heard it, and who had not
 // heard of the break yet repeated what the node had taken before.
-TEST(RandomFaults, BreakNoPromiseWhereASourceHearsNeitherOfABreakNorOfAStart) { expect_no_breach({3640009074}); }
+TEST(RandomFaults, BreakNoPromiseIfASourceHearsNeitherOfABreakNorOfAStart) { expect_no_breach({3640009074}); }
 
 // A node that started over heard that the next one was deaf before its own input was up: it turned back, and never said
 // so again, so a ring whose lines were all mended stayed an open chain.
-TEST(RandomFaults, BreakNoPromiseWhereANodeTurnsBackBeforeItMayFold) { expect_no_breach({3730033071}); }
+TEST(RandomFaults, BreakNoPromiseIfANodeTurnsBackBeforeItMayFold) { expect_no_breach({3730033071}); }
 
 // A source had begun four incarnations in another part of the ring, and its retry was taken for that of an old INTP.
-TEST(RandomFaults, BreakNoPromiseWhereFourIncarnationsPassUnseen) { expect_no_breach({3720049118}); }
+TEST(RandomFaults, BreakNoPromiseIfFourIncarnationsPassUnseen) { expect_no_breach({3720049118}); }
 
 // A node that started over between the end of a beacon and its last bit still showed the state that the beacon told.
-TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) { expect_no_breach({3602031428}); }
+TEST(RandomFaults, BreakNoPromiseIfANodeStartsOverAsABeaconComesIn) { expect_no_breach({3602031428}); }
 
 // False alarms: a try that was taken off the line in its instant, by a node that started over; the second copy of a
 // refused try, which came home while the send was out again; an INTP that waited for the pace of an open chain which
@@ -155,71 +155,71 @@ TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) { expect_
 // found an open chain; the first line's loss, told a second time, while a node heard the second line; a packet that
 // came in while the hello was leaving into an open chain, or in the instant in which it left; and a send whose last
 // return came damaged: its CPU was reset between the judged part of that return and its last bit.
-TEST(RandomFaults, BreakNoPromiseWhereTheJudgeOnceThoughtSo) {
+TEST(RandomFaults, BreakNoPromiseIfTheJudgeOnceThoughtSo) {
   expect_no_breach({3602048072, 3605032413, 3625015259, 3640001489, 3630007879, 3700039217, 3710021332, 3710076438});
 }
 
 // Another: a node that heard the second line went over to the first and back in one instant, and so broke off what was
 // coming in on the second.
-TEST(RandomFaults, BreakNoPromiseWhereANodeHearsItsFirstLineForNoTime) {
+TEST(RandomFaults, BreakNoPromiseIfANodeHearsItsFirstLineForNoTime) {
   expect_no_breach({3690024363}, RandomFaults::FoldBack::all);
 }
 
 // Another: the word that a fold begins broke off an own packet that was just coming home on the second line, and so it
 // was sent again; the judge took the rest of it for its return.
-TEST(RandomFaults, BreakNoPromiseWhereAFoldBeginsAsAPacketComesHome) {
+TEST(RandomFaults, BreakNoPromiseIfAFoldBeginsAsAPacketComesHome) {
   expect_no_breach({3793051187}, RandomFaults::FoldBack::all);
 }
 
 // Another: two copies of a hello came home damaged at once. The second one ended the last try as it left, so that its
 // good return said nothing; the judge took it for the end of the hello.
-TEST(RandomFaults, BreakNoPromiseWhereALastTryEndsAsItLeaves) { expect_no_breach({3799005189}); }
+TEST(RandomFaults, BreakNoPromiseIfALastTryEndsAsItLeaves) { expect_no_breach({3799005189}); }
 
 // A line had doubled an INTP. Between the two copies a node started over, and pulled its pin for both.
-TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverBetweenTwoCopies) { expect_no_breach({3820048588}); }
+TEST(RandomFaults, BreakNoPromiseIfANodeStartsOverBetweenTwoCopies) { expect_no_breach({3820048588}); }
 
 // A false alarm: an INTP of four starts before, which a node had dropped, was taken for one that it passed on.
-TEST(RandomFaults, BreakNoPromiseWhereAnInterruptIsLikeOneOfLongAgo) {
+TEST(RandomFaults, BreakNoPromiseIfAnInterruptIsLikeOneOfLongAgo) {
   expect_no_breach({3821185965}, RandomFaults::FoldBack::all);
 }
 
 // Another: a node folded in an open chain in the instant in which its INTP left.
-TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesAnInterruptOffTheLine) {
+TEST(RandomFaults, BreakNoPromiseIfAFoldTakesAnInterruptOffTheLine) {
   expect_no_breach({3823052521}, RandomFaults::FoldBack::all);
 }
 
 // Another: a node learned of a break, and lost its output, while the end of its packet was not out yet.
-TEST(RandomFaults, BreakNoPromiseWhereAPacketEndsUnconfirmedBeforeItsEndIsOut) { expect_no_breach({3822001831}); }
+TEST(RandomFaults, BreakNoPromiseIfAPacketEndsUnconfirmedBeforeItsEndIsOut) { expect_no_breach({3822001831}); }
 
 // Another: packets came to a node that folds before its output was there, and were counted as waiting in it.
-TEST(RandomFaults, BreakNoPromiseWherePacketsComeBeforeTheOutputIsThere) { expect_no_breach({3827004283}); }
+TEST(RandomFaults, BreakNoPromiseIfPacketsComeBeforeTheOutputIsThere) { expect_no_breach({3827004283}); }
 
 // Another: a line had doubled an INTP, and a node started between the two copies.
-TEST(RandomFaults, BreakNoPromiseWhereANodeStartsBetweenTwoCopies) { expect_no_breach({3829069836}); }
+TEST(RandomFaults, BreakNoPromiseIfANodeStartsBetweenTwoCopies) { expect_no_breach({3829069836}); }
 
 // Another: a joining node heard a fold and its end, and so said another hello, before the first one was home.
-TEST(RandomFaults, BreakNoPromiseWhereAFoldComesBeforeTheHelloIsHome) { expect_no_breach({3829222620}); }
+TEST(RandomFaults, BreakNoPromiseIfAFoldComesBeforeTheHelloIsHome) { expect_no_breach({3829222620}); }
 
 // Another: a node turned its output back in the instant of a try, which so was on no line, and ended lost.
-TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesATryOffTheLine) {
+TEST(RandomFaults, BreakNoPromiseIfAFoldTakesATryOffTheLine) {
   expect_no_breach({3830314061}, RandomFaults::FoldBack::all);
 }
 
 // Others: the first try of an INTP ended so, and its retry had the number of the INTP before, which had ended.
-TEST(RandomFaults, BreakNoPromiseWhereAFoldTakesAFirstTryOffTheLine) {
+TEST(RandomFaults, BreakNoPromiseIfAFoldTakesAFirstTryOffTheLine) {
   expect_no_breach({3829432662});
   expect_no_breach({3830504090}, RandomFaults::FoldBack::all);
 }
 
 // A node had started and said its hello in one of two parts of the ring alone; when they had grown together, a source
 // of the other repeated an INTP whose pin that node had pulled before.
-TEST(RandomFaults, BreakNoPromiseWhereASourceOfTheOtherPartKnowsOfNoStart) {
+TEST(RandomFaults, BreakNoPromiseIfASourceOfTheOtherPartKnowsOfNoStart) {
   expect_no_breach({3790050396}, RandomFaults::FoldBack::all);
 }
 
 // Two INTPs for one pin came in one instant to a node that had just started over: the first may be left out, and the
 // one pull was taken for it.
-TEST(RandomFaults, BreakNoPromiseWhereOneOfTwoPinsDueMayBeLeftOut) { expect_no_breach({3770003973}); }
+TEST(RandomFaults, BreakNoPromiseIfOneOfTwoPinsDueMayBeLeftOut) { expect_no_breach({3770003973}); }
 
 // Wherever it is: while the nodes join, under faults, when all was mended, and with traffic once more.
 TEST(RandomFaults, StopWhenAsked) {
@@ -268,7 +268,7 @@ TEST(Goals, AreMetByMoreSeedsThatSeekThem) {
 }
 
 // Nothing that the ring promises rests on equal clocks. 1 % is a hundred times what a cheap crystal is off by.
-TEST(RandomFaults, BreakNoPromiseWhereClocksDrift) {
+TEST(RandomFaults, BreakNoPromiseIfClocksDrift) {
   std::random_device entropy;
   const std::uint64_t first = std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(entropy);
   std::cout << "seeds " << first << " to " << first + kRuns / 6 - 1 << '\n';

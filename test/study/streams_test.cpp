@@ -102,7 +102,7 @@ TEST(Streams, TopicsWithoutSizeAndRateAreNotPlanned) {
   EXPECT_THROW(named(streams_in(kRobot), "unplanned"), std::runtime_error);
 }
 
-TEST(Streams, TrafficTravelsAsFragmentsOnlyWhereOnePacketDoesNotHoldIt) {
+TEST(Streams, TrafficTravelsAsFragmentsOnlyIfOnePacketDoesNotHoldIt) {
   const std::vector<Stream> streams = streams_in(kRobot);
   EXPECT_THAT(named(streams, "camera").packets, ElementsAre(512, 512, 20 + 1000 - 2 * 492));
   EXPECT_THAT(named(streams, "small").packets, ElementsAre(512));

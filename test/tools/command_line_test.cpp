@@ -54,7 +54,7 @@ TEST_F(Program, GuessesTheSubcommandThatWasMeant) {
   EXPECT_THAT(refusal({"stauts", "--help"}), HasSubstr("'prog stauts' is unknown"));
 }
 
-TEST_F(Program, PassesOverWhatRoslaunchAddsForNodes) {
+TEST_F(Program, IgnoresTheArgumentsThatRoslaunchAddsForNodes) {
   EXPECT_EQ(refusal({"status", "__name:=status", "__log:=/tmp/status.log"}), "accepted");
   EXPECT_EQ(refusal({"send", "--from", "a", "--text", "hello", "joint_states:=state", "tf:=/tf", "__name:=send"}),
             "accepted");
@@ -70,7 +70,7 @@ TEST_F(Program, DoesNotTakeAnEmptyWordForAnOptionThatIsNotGiven) {
   EXPECT_EQ(refusal({"--ring", "", "status"}), "--ring is empty: Name of the ring");
 }
 
-TEST_F(Program, ListsTheSubcommandsWhereNoneIsGiven) {
+TEST_F(Program, ListsTheSubcommandsIfNoneIsGiven) {
   EXPECT_EQ(refusal({}), "'prog' needs one of: send, status, fault; 'prog --help' says more");
   EXPECT_EQ(refusal({"fault"}), "'prog fault' needs one of: cut, heal; 'prog fault --help' says more");
 }
@@ -82,7 +82,7 @@ TEST_F(Program, GuessesTheOptionThatWasMeantAlsoOneOfAGroupOrOfTheWhole) {
   EXPECT_THAT(refusal({"status", "--rnig", "r"}), HasSubstr("did you mean '--ring'?"));
 }
 
-TEST_F(Program, AnOptionThatStandsBeforeItsSubcommandIsToldItsPlace) {
+TEST_F(Program, AnOptionBeforeItsSubcommandIsRefusedWithItsPlace) {
   EXPECT_EQ(refusal({"--count", "3", "send", "--from", "a", "--text", "x"}),
             "--count belongs behind the subcommand: prog send --count");
   EXPECT_EQ(refusal({"--text=x", "send", "--from", "a"}), "--text belongs behind the subcommand: prog send --text");
@@ -98,7 +98,7 @@ TEST_F(Program, NamesWhatIsMissingOrTooMuch) {
             "'all' is one argument too many; 'prog send --help' says more");
 }
 
-TEST_F(Program, RefusesAValueWithWhatIsAllowedAndNothingOfItsInside) {
+TEST_F(Program, RefusesAValueWithWhatIsAllowedAndNoInternalNames) {
   const std::string said = refusal({"send", "--text", "x", "--from", "a", "--count", "10"});
   EXPECT_EQ(said, "--count: '10' is not a whole number, 1 to 9");
 }
@@ -114,7 +114,7 @@ TEST_F(Program, SaysItsVersion) {
     EXPECT_EQ(read(app, {word}), "prog " + std::string(version()) + "\n");
 }
 
-TEST_F(Program, IsToActWhereAllIsRight) {
+TEST_F(Program, GoesOnIfItsArgumentsAreRight) {
   EXPECT_EQ(read(app, {"send", "--from", "a", "--text", "x", "--count", "0.5e1"}), std::nullopt);
   EXPECT_EQ(count, 5u);
 }

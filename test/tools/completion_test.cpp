@@ -55,12 +55,12 @@ TEST_F(Completion, OptionsOfASubcommandAndOfThoseAbove) {
 
 TEST_F(Completion, OnlyOptionsThatMayStandThere) { EXPECT_THAT(next({"status", "--"}), ElementsAre("--help")); }
 
-TEST_F(Completion, BehindHelpAsWithoutIt) {
+TEST_F(Completion, AfterHelpAsWithoutIt) {
   EXPECT_THAT(next({"help", "s"}), ElementsAre("send", "status"));
   EXPECT_THAT(next({"help", "fault", "k"}), ElementsAre("keep", "kill"));
 }
 
-TEST_F(Completion, NamesWhereTheyAreWanted) {
+TEST_F(Completion, NamesIfANameIsWanted) {
   EXPECT_THAT(next({"status", "h"}), ElementsAre("head", "hip"));
   EXPECT_THAT(next({"send", "--from", ""}), ElementsAre("head", "hip", "knee"));
   EXPECT_THAT(next({"send", ""}), ElementsAre("head", "hip", "knee"));
@@ -68,7 +68,7 @@ TEST_F(Completion, NamesWhereTheyAreWanted) {
   EXPECT_THAT(next({"fault", "kill", "k"}), ElementsAre("knee"));
 }
 
-TEST_F(Completion, NothingWhereNothingIsKnown) {
+TEST_F(Completion, NothingIfNothingIsKnown) {
   EXPECT_THAT(next({"fault", "cut", ""}), IsEmpty());
   EXPECT_THAT(next({}), IsEmpty());
 }

@@ -39,7 +39,7 @@ TEST(ManPage, NamesEverySubcommandAndOptionUnderTheHeadingsOfAManPage) {
                                  HasSubstr(".SS tool fault cut [OPTIONS]\nA line"), HasSubstr(".SH SEE ALSO")));
 }
 
-TEST(ManPage, TellsTheExitCodesOnceAndApart) {
+TEST(ManPage, ListsTheExitCodesOnceInTheirOwnSection) {
   Tool tool;
   const std::string page = tool.page();
   EXPECT_THAT(page, HasSubstr(".SH EXIT STATUS\n0 done; 1 not."));
@@ -47,7 +47,7 @@ TEST(ManPage, TellsTheExitCodesOnceAndApart) {
   EXPECT_THAT(page, HasSubstr(".PP\n\\(aqtool help SUBCOMMAND\\(aq explains one.\n"));
 }
 
-TEST(ManPage, HoldsNoTextThatRoffWouldActOn) {
+TEST(ManPage, EscapesTextThatRoffWouldInterpret) {
   Tool tool;
   EXPECT_THAT(tool.page(), HasSubstr("\n\\&.starts with a dot, and \\(aqquotes\\(aq \\e too\n"));
 }

@@ -49,7 +49,7 @@ TEST(Word, IsRefusedWithAGuess) {
   EXPECT_EQ(taken(one_of({"unix", "udp"}), "pigeons"), "'pigeons' is unknown; allowed: unix, udp");
 }
 
-TEST(Word, MayStandForAValue) {
+TEST(Word, MayStandForAValueOfAnEnum) {
   enum class Fruit { apple, pear };
   const auto fruit = word_of<Fruit>({{"apple", Fruit::apple}, {"pear", Fruit::pear}});
   EXPECT_EQ(taken(fruit, "pear"), "1");

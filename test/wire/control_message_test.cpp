@@ -57,7 +57,7 @@ TEST(ControlMessage, ABeaconsFieldsStandInTheOrderOfTheProtocol) {
                 2, 6, 1, 7, 8, 1, 1, 0x31, 0x32, 0x33, 0x34, 9,    0x41, 0x42, 0x43, 0x44, 0x45, 0x46, 0x47, 0x48}));
 }
 
-TEST(ControlMessage, ABeaconWithTheLastOfAllStatesIsOne) {
+TEST(ControlMessage, ABeaconWithTheLastOfAllStatesIsRead) {
   Beacon beacon;
   beacon.cpu_state = CpuState::failed;
   beacon.input = beacon.output = LinkState::folded;
@@ -122,7 +122,7 @@ TEST(ControlMessage, BeaconWithAStopOrALatchIsLongerAndComesBack) {
   EXPECT_FALSE(latched->stop_latched);
 }
 
-TEST(ControlMessage, LongBeaconThatSaysNothingMoreIsNone) {
+TEST(ControlMessage, ALongBeaconWithoutMoreContentIsNotRead) {
   std::array<std::uint8_t, kLongBeaconSize> bytes{};
   encode(Beacon{}, bytes.data());
   EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
@@ -132,7 +132,7 @@ TEST(ControlMessage, LongBeaconThatSaysNothingMoreIsNone) {
   EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
 }
 
-TEST(ControlMessage, WrongSizesTypesAndValuesAreNoMessage) {
+TEST(ControlMessage, WrongSizesTypesAndValuesAreNotRead) {
   std::array<std::uint8_t, kBeaconSize> bytes;
   encode(Beacon{}, bytes.data());
   EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size() - 1}));
@@ -140,7 +140,7 @@ TEST(ControlMessage, WrongSizesTypesAndValuesAreNoMessage) {
   EXPECT_FALSE(decode_hello({}));
 }
 
-TEST(ControlMessage, AHelloThatRemembersAndDoesNotIsNone) {
+TEST(ControlMessage, AHelloThatBothRemembersAndDoesNotIsNotRead) {
   std::array<std::uint8_t, kHelloSize> bytes;
   encode(Hello{7, true}, bytes.data());
   ASSERT_TRUE(decode_hello({bytes.data(), bytes.size()}));
@@ -148,7 +148,7 @@ TEST(ControlMessage, AHelloThatRemembersAndDoesNotIsNone) {
   EXPECT_FALSE(decode_hello({bytes.data(), bytes.size()}));
 }
 
-TEST(ControlMessage, ABeaconWithAValueBeyondTheLastIsNone) {
+TEST(ControlMessage, ABeaconWithAValueBeyondTheLastIsNotRead) {
   std::array<std::uint8_t, kBeaconSize> good;
   encode(Beacon{}, good.data());
   ASSERT_TRUE(decode_beacon({good.data(), good.size()}));

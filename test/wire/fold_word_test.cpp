@@ -36,7 +36,7 @@ TEST(FoldWord, IsASliceOfItsKindAndSize) {
   EXPECT_FALSE(read(bytes));
 }
 
-TEST(FoldWord, WithAnyByteWrongIsNone) {
+TEST(FoldWord, WithAnyByteWrongIsNotRead) {
   const auto good = bytes_of({FoldWordKind::hears, 7_id});
   for (std::size_t at = 0; at < good.size(); ++at)
     for (unsigned wrong = 1; wrong < 256; ++wrong) {
@@ -46,7 +46,7 @@ TEST(FoldWord, WithAnyByteWrongIsNone) {
     }
 }
 
-TEST(FoldWord, ThatNobodyKnowsIsNone) {
+TEST(FoldWord, OfAnUnknownKindIsNotRead) {
   for (const std::uint8_t kind : {0, 6, 255}) EXPECT_FALSE(read({kind, 7, fold_check(kind, 7_id)})) << int{kind};
   EXPECT_FALSE(read({1, 7}));
 }

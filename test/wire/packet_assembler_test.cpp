@@ -92,7 +92,7 @@ TEST_F(Assembler, GivesWhatCameOfAnAbortedPacket) {
   EXPECT_EQ(seen[1].bytes, Bytes(packet.begin(), packet.begin() + 8));
 }
 
-TEST_F(Assembler, CallsAPacketTruncatedWhereAnotherBeginsInsideIt) {
+TEST_F(Assembler, CallsAPacketTruncatedIfAnotherBeginsInsideIt) {
   put_beginning(packet, 10);
   put(SliceKind::whole, view(packet), 11);
   ASSERT_EQ(seen.size(), 2u);
@@ -100,7 +100,7 @@ TEST_F(Assembler, CallsAPacketTruncatedWhereAnotherBeginsInsideIt) {
   EXPECT_FALSE(seen[1].info.truncated);
 }
 
-TEST_F(Assembler, CallsAPacketTruncatedWhereItsLineWasLost) {
+TEST_F(Assembler, CallsAPacketTruncatedIfItsLineWasLost) {
   put_beginning(packet, 10);
   assembler.gap(nanoseconds(50));
   put_end(packet, 60);
@@ -118,14 +118,14 @@ TEST_F(Assembler, CutsAPacketThatIsLongerThanAnyMayBe) {
   EXPECT_TRUE(seen[0].info.truncated);
 }
 
-TEST_F(Assembler, PassesOverAPacketWhoseBeginningItHasNotSeen) {
+TEST_F(Assembler, IgnoresAPacketWhoseBeginningItHasNotSeen) {
   put(SliceKind::more, view(packet).first(8), 1);
   put_end(packet, 2);
   put(SliceKind::abort, {}, 3);
   EXPECT_TRUE(seen.empty());
 }
 
-TEST_F(Assembler, ForgetsWhatIsOpenWhenNobodyObservesAnyMore) {
+TEST_F(Assembler, ForgetsOpenPacketsWhenNobodyObservesAnyMore) {
   put_beginning(packet, 10);
   assembler.reset();
   put(SliceKind::whole, view(packet), 11);

@@ -150,7 +150,7 @@ TEST(HopsOfATrip, HopThatDoesNotFitItsNodeIsShownAsItIs) {
   EXPECT_THAT(trace.hops[2].behind, IsEmpty());
 }
 
-TEST(TracedRing, TimesAtTheEndsOfTheirRangeAreNoProblem) {
+TEST(TracedRing, TimesAtTheEndsOfTheirRangeAreAccepted) {
   std::vector<SeenPacket> packets{sighting({}, 0, nanoseconds::min()), sighting({}, kHome, nanoseconds::max())};
   const TracedRing ring(packets);
   EXPECT_EQ(ring.round_trip(0), nanoseconds::max());

@@ -119,7 +119,7 @@ std::vector<std::string> problems_of(const Bytes& bytes, const CaptureInfo& info
   return reader.problems();
 }
 
-TEST(Pcapng, APacketThatWasChangedInTheFileIsBrokenAndTold) {
+TEST(Pcapng, APacketThatWasChangedInTheFileIsReportedAsBroken) {
   CaptureInfo good, bad, aborted;
   bad.crc_bad = true;
   aborted.aborted = true;
@@ -205,7 +205,7 @@ TEST(Pcapng, OursIsKnownAlsoInTheSectionOfAToolThatHasMergedIt) {
   EXPECT_EQ(read_all(foreign(0).substr(0, 28) + ours.substr(first)).size(), 1u);
 }
 
-TEST(Pcapng, OtherFormatsAreNamedWithWhatMakesThemReadable) {
+TEST(Pcapng, OtherFormatsAreNamedWithTheToolThatConvertsThem) {
   const std::string rest(20, 'x');
   EXPECT_THAT(problem_with("\x1F\x8B" + rest), HasSubstr("compressed by gzip; 'gunzip"));
   EXPECT_THAT(problem_with("\xD4\xC3\xB2\xA1" + rest), HasSubstr("classic pcap file; 'editcap -F pcapng"));
@@ -253,7 +253,7 @@ TEST(Pcapng, ATimeBeyondNanosecondsOf64BitsIsRefused) {
   EXPECT_THAT(problem_with(file_of_time(10'000'000'000, 0)), HasSubstr("a time after the year 2261"));
 }
 
-TEST(Pcapng, NoCutOrFlippedByteMakesTheReaderStumble) {
+TEST(Pcapng, NoTruncationOrFlippedByteBreaksTheReader) {
   const std::string good = file_of_one_packet();
   for (std::size_t i = 0; i < good.size(); ++i) {
     std::string bad = good;

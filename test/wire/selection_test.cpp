@@ -24,7 +24,7 @@ const Bytes kData = test::data_packet(1, 2, 8, wire::pri_byte(wire::Priority{3},
 const Bytes kControl = test::data_packet(1, wire::kBroadcast, 9, kControlPri);
 const Bytes kInterrupt = test::interrupt_packet(1, 2, 4);
 
-TEST(CaptureFilter, LetsAllThatComesInPassWhereNothingIsAskedFor) {
+TEST(CaptureFilter, PassesEverythingThatComesInUnlessAskedForLess) {
   const Filter filter;
   for (const Bytes* bytes : {&kData, &kControl, &kInterrupt}) {
     EXPECT_TRUE(filter.passes(seen_in(*bytes)));
@@ -114,7 +114,7 @@ TEST(CaptureSelection, LimitsEachSecondByItself) {
   EXPECT_EQ(taken, "ynyny");
 }
 
-TEST(CaptureSelection, SaysHowManyWereLostSinceOneWasGiven) {
+TEST(CaptureSelection, SaysHowManyWereLostSinceTheLastOneWasGiven) {
   Selection selection(Choice{});
   selection.lost();
   selection.lost();

@@ -162,7 +162,7 @@ class Serial(unittest.TestCase):
         line = self.process.stderr.readline()
         self.assertIn('damaged frames 1,', line)
 
-    def test_wrong_usage_is_said(self):
+    def test_wrong_usage_is_reported(self):
         for arguments, words in (([], '3 or 4 arguments'), (['/dev/null', '1', '17000', '17'], 'BAUD is 9600'),
                                  (['/no/such', '1', '17000'], '/no/such: No such file')):
             run = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, check=False)

@@ -98,7 +98,7 @@ TEST(TinyFrame, ADatagramOfEachSizeArrives) {
   EXPECT_EQ(reader.damaged, 0u);
 }
 
-TEST(TinyFrame, ArbitraryBytesAreNoFrameAndTheNextFrameIsFound) {
+TEST(TinyFrame, ArbitraryBytesAreNotAFrameAndTheNextFrameIsFound) {
   std::mt19937 draw(2);
   tn_frame_reader reader = {};
   for (int i = 0; i < 1000; ++i) {

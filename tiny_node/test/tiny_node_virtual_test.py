@@ -90,7 +90,7 @@ class LibraryOnAVirtualRing(VirtualTest):
             return re.search(r'trace hash (\S+) of 3\.0\d+ s$', done.stdout + done.stderr, re.MULTILINE).group(1)
         self.assertEqual(run(), run())
 
-    def test_what_is_no_library_is_named(self):
+    def test_what_is_not_a_library_is_named(self):
         nodes = self.nodes()
         nodes[TINY]['library'] = self.write('no.so', 'text')
         config = self.write_ring(nodes, timeouts=TIMES, links={'transport': 'udp'})

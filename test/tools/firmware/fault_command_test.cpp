@@ -19,7 +19,7 @@ TEST(FaultCommandText, MayBeHangOrExit) {
   EXPECT_EQ(parsed("exit 3")->code, 3);
 }
 
-TEST(FaultCommandText, IsNothingElse) {
+TEST(FaultCommandText, RefusesEverythingElse) {
   for (const char* text : {"", " ", "hangs", "ha", "exit", "exit ", "exit x", "exit 256", "exit -1", "exit 3 4",
                            "EXIT 3", "exit 99999999999999999999"})
     EXPECT_FALSE(parsed(text)) << "'" << text << "'";

@@ -49,7 +49,7 @@ TEST(Joint, HoldsThePositionItHadWhenTheCommandTimedOut) {
   EXPECT_NEAR(moving.joint().velocity, 0, 1e-4);
 }
 
-TEST(Joint, LetsGoWithDampingWhereItIsConfiguredSo) {
+TEST(Joint, LetsGoWithDampingIfItIsConfiguredSo) {
   SimulatedJoint moving(kDamps);
   moving.command(velocity(1), 0ms);
   moving.advance(200ms);

@@ -43,7 +43,7 @@ TEST(Periodic, MakesUpForTheLastEightDeadlines) {
   EXPECT_EQ(periodic.due(), 90ms);
 }
 
-TEST(Periodic, MakesUpForThirtyTwoMillisecondsWhereThatIsMore) {
+TEST(Periodic, MakesUpForThirtyTwoMillisecondsIfThatIsMore) {
   Periodic periodic(1000, 0s);
   EXPECT_EQ(taken_at(periodic, 40500us), 32);
   EXPECT_EQ(periodic.left_out(), 8U);

@@ -65,7 +65,7 @@ TEST(Servo, AnswersASmallStepAsASecondOrderSystem) {
   }
 }
 
-TEST(Servo, OvershootsOnlyWhereItIsUnderdamped) {
+TEST(Servo, OvershootsOnlyIfItIsUnderdamped) {
   ServoModel model;
   model.damping = 0.2;
   Watched loose(model);
@@ -87,7 +87,7 @@ TEST(Servo, KeepsItsSpeedAndTorqueLimits) {
   EXPECT_NEAR(watched.servo.position(), 3.0, 1e-4);
 }
 
-TEST(Servo, CutsATargetBeyondItsPositionLimits) {
+TEST(Servo, ClampsATargetBeyondItsPositionLimits) {
   ServoModel model;
   model.lower = -0.5;
   model.upper = 0.25;
@@ -124,7 +124,7 @@ TEST(Servo, FollowsAVelocity) {
   EXPECT_NEAR(watched.servo.position(), -0.5, 0.02);
 }
 
-TEST(Servo, FollowsAMovingPositionWithoutLagWhereItsRateIsGiven) {
+TEST(Servo, FollowsAMovingPositionWithoutLagIfItsRateIsGiven) {
   Servo plain{ServoModel{}}, fed{ServoModel{}};
   for (int ms = 0; ms <= 1000; ++ms) {
     plain.drive(position(ms / 1000.0));

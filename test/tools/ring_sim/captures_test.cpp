@@ -41,7 +41,7 @@ class CompareTraces : public test::OwnFolder {
   }
 };
 
-TEST_F(CompareTraces, OneThatEndsInTheMiddleIsNeitherTheSameNorDifferent) {
+TEST_F(CompareTraces, ATruncatedCaptureIsNeitherTheSameNorDifferent) {
   const std::string whole = captured("whole.pcapng");
   const std::string part = cut(whole, 6);
   is_told(ring_sim({"compare-traces", whole, part}));
@@ -49,7 +49,7 @@ TEST_F(CompareTraces, OneThatEndsInTheMiddleIsNeitherTheSameNorDifferent) {
   is_told(ring_sim({"compare-traces", part, part}));
 }
 
-TEST_F(CompareTraces, WhereTheyDifferBeforeThatTheDifferenceIsTold) {
+TEST_F(CompareTraces, ADifferenceBeforeTheTruncationIsReported) {
   const CliRun said = ring_sim({"compare-traces", captured("other.pcapng", "8"), cut(captured("whole.pcapng"), 6)});
   EXPECT_EQ(said.code, kBroken) << said.errors;
   EXPECT_THAT(said.out, HasSubstr("then they differ"));
@@ -70,7 +70,7 @@ TEST_F(RingSimRun, WritesTraceAndCaptureIntoFilesOfTheirOwn) {
   EXPECT_THAT(said.errors, HasSubstr("--trace and --capture both name " + folder + "/x; each needs a file of its own"));
 }
 
-TEST_F(RingSimRun, ADashIsStandardOutputAndTheFiguresGoElsewhere) {
+TEST_F(RingSimRun, ADashIsStandardOutputAndTheFiguresGoToStandardError) {
   const CliRun file = ring_sim({"run", "--trace", folder + "/x", "--capture", folder + "/y"});
   for (const auto& [option, written] : {std::pair{"--trace", "/x"}, {"--capture", "/y"}}) {
     const CliRun said = ring_sim({"run", option, "-"});
@@ -82,7 +82,7 @@ TEST_F(RingSimRun, ADashIsStandardOutputAndTheFiguresGoElsewhere) {
   EXPECT_EQ(ring_sim({"run", "--trace", "-", "--capture", "-"}).code, kUsage);
 }
 
-TEST_F(RingSimRun, ADashIsRefusedWhereStandardOutputHasTheReport) {
+TEST_F(RingSimRun, ADashIsRefusedIfTheReportGoesToStandardOutput) {
   std::ofstream file;
   EXPECT_THAT(app::open_for_writing(file, "-"), HasSubstr("standard output has the report"));
   EXPECT_FALSE(std::filesystem::exists("-"));

@@ -50,7 +50,7 @@ TEST(Run, GivesTheDistributionAndTheSeed) {
   EXPECT_EQ(json_of({"run", "--case", "random", "--nodes", "3", "--seed", "9", "--json"}), row);
 }
 
-TEST(Run, RefusesWhatCannotBeNamingTheOptionAndWhatIsAllowed) {
+TEST(Run, RefusesImpossibleValuesNamingTheOptionAndWhatIsAllowed) {
   const std::vector<std::vector<std::string>> wrong{{"--rate", "0"},          {"--rate", "fast"},  {"--nodes", "300"},
                                                     {"--nodes", "1"},         {"--payload", "0"},  {"--payload", "513"},
                                                     {"--relay-delay", "512"}, {"--case", "quick"}, {"--seed", "x"}};
@@ -69,7 +69,7 @@ TEST(Run, RefusesATraceItCannotWrite) {
   EXPECT_THAT(said.errors, HasSubstr("/nowhere/trace"));
 }
 
-TEST(Run, NamesTheFileThatAFullDiskHasNoRoomFor) {
+TEST(Run, NamesTheFileForWhichTheDiskIsTooFull) {
   for (const char* option : {"--trace", "--capture"}) {
     const CliRun said = ring_sim({"run", option, "/dev/full"});
     EXPECT_EQ(said.code, kBroken) << option;
@@ -91,7 +91,7 @@ TEST(Soak, RefusesSeedsThatNeitherFirstNorAScenarioCouldTake) {
   EXPECT_EQ(ring_sim({"soak", "--seeds", "1", "--first", "9223372036854775807"}).code, kDone);
 }
 
-TEST(Soak, PrintsHashesAsTextAlone) {
+TEST(Soak, PrintsHashesOnlyAsText) {
   const CliRun said = ring_sim({"soak", "--seeds", "1", "--first", "100", "--hashes", "--json"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("--hashes"));
@@ -121,7 +121,7 @@ TEST(Explore, ARingOfTwoFoldsBackToo) {
   EXPECT_EQ(said.code, kDone) << said.errors;
 }
 
-TEST(Explore, OneRunAloneTakesNothingThatBoundsMany) {
+TEST(Explore, ASingleRunRefusesOptionsForManyRuns) {
   for (const std::vector<std::string>& bound :
        {std::vector<std::string>{"--faults", "2"}, {"--places", "5"}, {"--threads", "1"}, {"--all-runs"}}) {
     std::vector<std::string> arguments{"explore", "--only", "none"};
@@ -148,7 +148,7 @@ TEST(Commands, OfCasesExplainEachOfThem) {
   }
 }
 
-TEST(Commands, AllThatHelpNamesIsCompleted) { expect_help_completed(ring_sim); }
+TEST(Commands, EverythingThatHelpNamesIsCompleted) { expect_help_completed(ring_sim); }
 
 }  // namespace
 }  // namespace limb_ring::ring_sim

@@ -49,7 +49,7 @@ TEST_F(PlanCommand, SaysWhyTheRingDoesNotCarryIt) {
                               HasSubstr("100Mbit/s")));
 }
 
-TEST_F(PlanCommand, CallsLateWhatMayComeBehindItsDeadline) {
+TEST_F(PlanCommand, CallsAStreamLateIfItMayMissItsDeadline) {
   const CliRun said = plan({two_nodes("size: 61440, rate: 30, deadline: 500us")});
   EXPECT_EQ(said.code, kBroken);
   EXPECT_THAT(said.out,
@@ -70,7 +70,7 @@ TEST_F(PlanCommand, FitsInto80ColumnsWhateverTheNames) {
   }
 }
 
-TEST_F(PlanCommand, SetsWhatWasMeasuredBesideTheBounds) {
+TEST_F(PlanCommand, ShowsMeasuredLatenciesBesideTheBounds) {
   const std::string file = two_nodes("size: 61440, rate: 30");
   const CliRun said = plan({file, "--simulate", "100ms", "--seed", "7"});
   EXPECT_EQ(said.code, kDone);
@@ -80,7 +80,7 @@ TEST_F(PlanCommand, SetsWhatWasMeasuredBesideTheBounds) {
   EXPECT_THAT(plan({file, "--simulate"}).out, HasSubstr("Simulated 1s with seed 1"));
 }
 
-TEST_F(PlanCommand, RefusesASeedWhereNothingIsDrawn) {
+TEST_F(PlanCommand, RefusesASeedIfNothingIsRandom) {
   const std::string file = two_nodes("size: 61440, rate: 30");
   const CliRun said = plan({file, "--seed", "7"});
   EXPECT_EQ(said.code, kUsage);

@@ -13,7 +13,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(SoakGoals, NeverMetInTooFewSeedsEndItWithOneWhereTheyAreRequired) {
+TEST(SoakGoals, ThatAreRequiredAndNeverMetEndItWithExitCodeOne) {
   const std::vector<std::string> soak{"soak", "--first", "1", "--seeds", "2"};
   const CliRun plain = ring_sim(soak);
   EXPECT_EQ(plain.code, kDone);
@@ -33,7 +33,7 @@ TEST(SoakGoals, AreListedAndInJson) {
   EXPECT_TRUE(nlohmann::json::parse(json.out)["goals"]["breaks_in_a_lap"].contains("seeds"));
 }
 
-TEST(SoakGoals, AreSoughtInTheLeastWorldThatCanMeetThem) {
+TEST(SoakGoals, AreSoughtInTheSmallestWorldThatCanMeetThem) {
   const CliRun sought = ring_sim({"soak", "--first", "1", "--seeds", "10", "--seek", "hosts_regroup", "--json"});
   EXPECT_EQ(sought.code, kDone) << sought.errors;
   EXPECT_GT(nlohmann::json::parse(sought.out)["goals"]["hosts_regroup"]["times"], 0);

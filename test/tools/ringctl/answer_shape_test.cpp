@@ -108,7 +108,7 @@ void expect_in(const json& whole, const json& part) {
   }
 }
 
-TEST(AnswerShape, OfARingdIsRight) {
+TEST(AnswerShape, OfARingdIsAccepted) {
   EXPECT_EQ(wrong_in_row(row()), "");
   EXPECT_EQ(wrong_in_config(json::parse(R"({"nodes": [{"id": 0, "name": "a"}], "path": "", "beacon_ms": 100})")), "");
 }
@@ -135,7 +135,7 @@ TEST(AnswerShape, IsTheSameReadAndWrittenAgain) {
   expect_in(written, row());
 }
 
-TEST(AnswerShape, AMemberThatIsNullIsOneThatIsMissing) {
+TEST(AnswerShape, ANullMemberCountsAsMissing) {
   json bare = row();
   bare["ring_size"] = nullptr;
   status::NodeRow read;

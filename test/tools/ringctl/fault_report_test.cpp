@@ -35,7 +35,7 @@ TEST(FaultTable, SaysWhatWhereSinceWhenHowOftenAndWhatIsLeft) {
             "knee.1  cut knee -> ankle after=1s              0.0  waits   until removed\n");
 }
 
-TEST(FaultTable, HasNullInJsonForAnEndThatAFaultDoesNotHave) {
+TEST(FaultTable, HasNullInJsonForAFaultWithoutAnEnd) {
   EXPECT_EQ(to_json(std::vector{drop()})[0]["packets_left"], 3);
   EXPECT_TRUE(to_json(std::vector{status::Fault{}})[0]["packets_left"].is_null());
 }
@@ -61,7 +61,7 @@ void came_damaged(json& row, unsigned crc_errors, unsigned returns_damaged) {
       {"within_s", 10}, {"oldest_s", 8.0}, {"crc_errors", crc_errors}, {"returns_damaged", returns_damaged}};
 }
 
-TEST(LineReport, IsEmptyWhereAllIsWell) { EXPECT_EQ(line_report(node_rows(three_nodes())), ""); }
+TEST(LineReport, IsEmptyIfAllIsWell) { EXPECT_EQ(line_report(node_rows(three_nodes())), ""); }
 
 TEST(LineReport, BelievesTheNodeBehindABreak) {
   std::vector<json> rows = three_nodes();
@@ -125,20 +125,20 @@ TEST(LineReport, BlamesNoLineForWhatANodeThatWasStartedAgainHadPassedOn) {
   EXPECT_EQ(line_report(node_rows(rows)), "noisy line node1 -> node2: 40 packets came in damaged in the last 10 s\n");
 }
 
-TEST(LineReport, TakesAFewThatAreUnderWayForNoNoiseOfTheNextLine) {
+TEST(LineReport, DoesNotTakeAFewPacketsUnderWayForNoiseOfTheNextLine) {
   std::vector<json> rows = three_nodes();
   came_damaged(rows[1], 47, 1);
   came_damaged(rows[2], 48, 48);
   EXPECT_EQ(line_report(node_rows(rows)), "noisy line node0 -> node1: 47 packets came in damaged in the last 10 s\n");
 }
 
-TEST(LineReport, TellsFaultsOnPurpose) {
+TEST(LineReport, NamesFaultsOnPurpose) {
   std::vector<json> rows = three_nodes();
   rows[2]["faults"].push_back({{"id", 4}, {"fault", "stall node2 -> node0"}});
   EXPECT_EQ(line_report(node_rows(rows)), "fault on purpose node2.4: stall node2 -> node0\n");
 }
 
-TEST(LineReport, IsSilentOfNodesThatDoNotAnswer) {
+TEST(LineReport, SaysNothingAboutNodesThatDoNotAnswer) {
   EXPECT_EQ(line_report({down_row({0, "node0"}), down_row({1, "node1"})}), "");
 }
 

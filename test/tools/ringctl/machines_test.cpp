@@ -35,14 +35,14 @@ TEST(MachinesFile, HasAMachineAndItsPartOfTheRingForEachHost) {
   EXPECT_THAT(file, HasSubstr("<arg name=\"host\" value=\"head\"/>\n    <arg name=\"has_bridge\" value=\"true\"/>"));
 }
 
-TEST(MachinesFile, LogsInWhereTheHostSaysElseAsTold) {
+TEST(MachinesFile, LogsInAsTheHostSaysElseAsTheOptionSays) {
   EXPECT_THAT(machines_file(two_hosts(), "e", ""), Not(HasSubstr(" user=")));
   EXPECT_THAT(machines_file(two_hosts(", ssh: robot@head.local"), "e", "me"),
               AllOf(HasSubstr("name=\"waist\" address=\"127.0.0.2\" user=\"me\""),
                     HasSubstr("name=\"head\" address=\"head.local\" user=\"robot\"")));
 }
 
-TEST(MachinesFile, LeavesOutAHostWithoutNodesAndEscapesWhatItIsTold) {
+TEST(MachinesFile, LeavesOutAHostWithoutNodesAndEscapesItsArguments) {
   auto ring = two_hosts();
   ring.nodes.pop_back();
   const std::string file = machines_file(ring, "/a \"b\" & <c>", "");
@@ -61,7 +61,7 @@ TEST(MachinesFile, NeedsHosts) {
   EXPECT_THROW(machines_file(ring, "e", ""), std::invalid_argument);
 }
 
-TEST(MachinesFile, UsesTheEnvironmentThatThereIs) {
+TEST(MachinesFile, UsesAnEnvironmentLoaderThatExists) {
   EXPECT_EQ(usual_env_loader("/nowhere:/usr"), "/usr/bin/env");
   EXPECT_EQ(usual_env_loader(""), "/usr/bin/env");
 }

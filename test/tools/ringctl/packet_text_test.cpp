@@ -38,14 +38,14 @@ std::string line_of(const CapturedPacket& packet, PacketTextOptions options = {}
   return PacketText(kNames, options).line(packet);
 }
 
-TEST(PacketLine, SaysAllOfADataPacket) {
+TEST(PacketLine, ShowsAllFieldsOfADataPacket) {
   EXPECT_EQ(line_of(captured(test::data_packet(0, 2, 3, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}),
                                                {false, 2, wire::Sequence{5}, {}}),
                              1'500'000'042)),
             "(001.500000042)  hip -> knee   DATP  body -> knee  hop   0  fbc 255  p1 user     2/5  [  3]  00 01 02");
 }
 
-TEST(PacketLine, ShowsBytesAsCharactersTooWhereAskedTo) {
+TEST(PacketLine, ShowsBytesAsCharactersTooIfAsked) {
   CapturedPacket packet = captured(test::data_packet(0, 2, 3, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}),
                                                      {false, 2, wire::Sequence{5}, {}}));
   PacketTextOptions options;
@@ -53,7 +53,7 @@ TEST(PacketLine, ShowsBytesAsCharactersTooWhereAskedTo) {
   EXPECT_THAT(line_of(packet, options), EndsWith("00 01 02  '...'"));
 }
 
-TEST(PacketLine, SaysAllOfAnInterruptAndWhereItWas) {
+TEST(PacketLine, ShowsAllFieldsOfAnInterruptAndWhereItWas) {
   CapturedPacket packet = captured(test::interrupt_packet(2, wire::kBroadcast, 6));
   packet.info.embedded = true;
   packet.info.carrier_source = 1;
@@ -62,7 +62,7 @@ TEST(PacketLine, SaysAllOfAnInterruptAndWhereItWas) {
   EXPECT_THAT(line_of(packet), EndsWith("in DATP of hip at 128"));
 }
 
-TEST(PacketLine, SaysWhatIsKnownOfATornPacketAndNoMore) {
+TEST(PacketLine, ShowsOnlyWhatIsKnownOfATruncatedPacket) {
   const test::Bytes whole = test::data_packet(7, 2, 8);
   CapturedPacket packet = captured({whole.begin(), whole.begin() + 6});
   packet.info.aborted = true;
@@ -88,7 +88,7 @@ TEST(PacketLine, CountsTimeAsCandumpDoes) {
   EXPECT_EQ(stamps(Stamps::zero), "(000.000000000) (000.000000500) (000.000002000) ");
 }
 
-TEST(PacketLine, PutsABeaconInWordsOnlyWhereAsked) {
+TEST(PacketLine, DescribesABeaconOnlyIfAsked) {
   wire::Beacon beacon;
   beacon.boot = 77;
   beacon.cpu_state = wire::CpuState::silent;
@@ -113,7 +113,7 @@ TEST(PacketLine, PutsABeaconInWordsOnlyWhereAsked) {
                        "break hip -> knee"));
 }
 
-TEST(PacketLine, IsColouredOnlyWhereAsked) {
+TEST(PacketLine, IsColouredOnlyIfAsked) {
   PacketTextOptions options;
   const CapturedPacket packet = captured(test::interrupt_packet(0, 1, 1));
   EXPECT_THAT(line_of(packet, options), Not(HasSubstr("\033")));

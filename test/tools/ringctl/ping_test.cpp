@@ -52,7 +52,7 @@ TEST(PingStatistics, CountEveryEndAndWhatHasNotEnded) {
             "round trip min/p50/p99/max = 60.0/60.0/80.0/80.0 us\n");
 }
 
-TEST(PingStatistics, HaveNoRoundTripsWhereNothingCameBack) {
+TEST(PingStatistics, HaveNoRoundTripsIfNothingCameBack) {
   EXPECT_EQ(ping_text(order(), {}), "--- left_knee ping statistics ---\n0 sent, 0 delivered, 0.000 s\n");
 }
 
@@ -66,7 +66,7 @@ TEST(PingStatistics, OfAVeryLongPingHavePercentilesOfItsLastPackets) {
   EXPECT_THAT(ping_text(order(), totals), HasSubstr("= 5.0/20.0/20.0/900.0 us; p50 and p99 of the last 1000000\n"));
 }
 
-TEST(PingStatistics, AreTheSameForPrograms) {
+TEST(PingStatistics, AreTheSameInJson) {
   const nlohmann::json all = ping_json(order(), totals());
   EXPECT_EQ(all["delivered"], 2);
   EXPECT_EQ(all["other"], nlohmann::json({{"no such node", 1}}));

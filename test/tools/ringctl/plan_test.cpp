@@ -42,7 +42,7 @@ TEST_F(Plan, FileIsGivenToEveryDaemonByItsFullPath) {
                           "--transport", "udp", "--node", "4"));
 }
 
-TEST_F(Plan, ForeignNodesAreStartedByNobodyHere) {
+TEST_F(Plan, ForeignNodesAreNotStarted) {
   UpRequest request;
   request.config = write("board.yaml",
                          "ring: board\nlinks: {transport: udp}\nnodes:\n  - {id: 0}\n"
@@ -55,7 +55,7 @@ TEST_F(Plan, ForeignNodesAreStartedByNobodyHere) {
   EXPECT_EQ(plan_ring(request).nodes.size(), 3u) << "a virtual ring has a node of ours in its place";
 }
 
-TEST_F(Plan, ARingOfForeignNodesAloneIsRefused) {
+TEST_F(Plan, ARingOfOnlyForeignNodesIsRefused) {
   UpRequest request;
   request.config = write("boards.yaml",
                          "ring: boards\nlinks: {transport: udp}\nnodes:\n  - {id: 0, controller: foreign}\n"
@@ -68,7 +68,7 @@ TEST_F(Plan, FolderTooLongForASocketIsRefusedBeforeAnythingStarts) {
   EXPECT_THROW(plan_ring(plain(2)), UsageError);
 }
 
-TEST_F(Plan, RecordingsAreSavedOnlyWhereSomethingIsRecorded) {
+TEST_F(Plan, RecordingsAreSavedOnlyIfSomethingIsRecorded) {
   UpRequest request;
   request.config = write("two.yaml",
                          "ring: two\nnodes:\n  - {id: 0, name: a}\n  - {id: 1, name: b}\n"

@@ -48,7 +48,7 @@ TEST_F(Plan, KeepsDistancesAndContents) {
   EXPECT_EQ(sends[1].last, 6);
 }
 
-TEST_F(Plan, TakesEachSourceFromTheLineOutOfItOrElseFromOne) {
+TEST_F(Plan, TakesEachSourceFromItsOutputLineElseFromOneOtherLine) {
   for (const int line : {2, 3, 0, 1}) seen(line, line, (line + 1) % 4, test::data_packet(0, 2));
   for (const int line : {1, 2}) seen(10 + line, line, line + 1, test::data_packet(3, 2));
   const ReplayPlan made = plan();
@@ -92,7 +92,7 @@ class ReplayOfAYear : public test::OwnFolder {
   const std::string path = folder + "/year.pcapng";
 };
 
-TEST_F(ReplayOfAYear, IsRefusedWhereItWouldLastLonger) {
+TEST_F(ReplayOfAYear, IsRefusedIfItWouldLastLonger) {
   const CliRun said = ringctl({"traffic", "again", path, "--speed", "0.001"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, testing::HasSubstr(path + ": "));

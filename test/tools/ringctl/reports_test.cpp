@@ -74,7 +74,7 @@ Rows wide_rows() {
   return rows;
 }
 
-TEST(StatusTable, FitsEightyColumnsByItsNamesWhichStayDistinct) {
+TEST(StatusTable, FitsEightyColumnsByShorteningNamesThatStayDistinct) {
   StatusStyle style;
   style.width = 80;
   std::istringstream lines(status_table(wide_rows(), style));
@@ -84,9 +84,9 @@ TEST(StatusTable, FitsEightyColumnsByItsNamesWhichStayDistinct) {
   EXPECT_THAT(*different.rbegin(), HasSubstr("joint_x~"));
 }
 
-TEST(StatusTable, ShowsNamesWholeInAPipe) { EXPECT_THAT(status_table(wide_rows()), HasSubstr(wide_rows()[0].name)); }
+TEST(StatusTable, ShowsFullNamesInAPipe) { EXPECT_THAT(status_table(wide_rows()), HasSubstr(wide_rows()[0].name)); }
 
-TEST(StatusTable, IsColouredWhereANodeOrItsCpuIsNotWell) {
+TEST(StatusTable, IsColouredIfANodeOrItsCpuIsNotWell) {
   Rows rows = wide_rows();
   StatusStyle style;
   style.colour = true;
@@ -108,7 +108,7 @@ TEST(Headline, CountsNodesAndSaysWhereTheRingFolds) {
   EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes up, folded back in parts");
 }
 
-TEST(Counted, HasAPluralWhereItNeedsOne) {
+TEST(Counted, HasAPluralIfItNeedsOne) {
   EXPECT_EQ(app::counted(1, "daemon"), "1 daemon");
   EXPECT_EQ(app::counted(2, "daemon"), "2 daemons");
 }
@@ -168,7 +168,7 @@ TEST(Supervision, NamesThoseBehindABreakInOneLine) {
             "  unreachable (no beacon of its node for 500 ms): head, waist\n");
 }
 
-TEST(Supervision, SaysNothingWhereAllIsWellOrNobodyWatches) {
+TEST(Supervision, SaysNothingIfAllIsWellOrNobodyWatches) {
   Rows rows = rows_of_a_hang();
   rows[0].supervisor->watched.pop_back();
   EXPECT_EQ(supervision_text(rows), "");
@@ -188,7 +188,7 @@ TEST(ClockOffsets, TakeTheWayOfTheInterruptIntoAccount) {
   EXPECT_THAT(*offsets[0].offset_us, DoubleNear(5.0, 1e-9));
 }
 
-TEST(ClockOffsets, NodeThatIsBypassedIsNoHop) {
+TEST(ClockOffsets, ABypassedNodeIsNotAHop) {
   const auto offsets = clock_offsets({0, std::nullopt, 10'000}, 0, 20.0, 2);
   EXPECT_FALSE(offsets[1].offset_us.has_value());
   EXPECT_EQ(offsets[2].hops, 1u);
@@ -219,7 +219,7 @@ TEST(LineDelays, BetweenHostsOnlyTheSumIsKnownWhateverTheOtherClockSays) {
   EXPECT_THAT(delays.between_hosts_us, DoubleNear(400.0, 1e-9));
 }
 
-TEST(LineDelays, BelowZeroAreNoneAndTellHowUncertainTheLatchesAre) {
+TEST(LineDelays, BelowZeroAreShownAsZeroAndCountAsUncertaintyOfTheLatches) {
   // Node 2 was not run when the interrupt had passed it: 40 us to it, where home it took 30 us in all.
   const LineDelays delays = line_delays({0, 10'000, 40'000}, {"", "", ""}, 0, 30.0);
   EXPECT_THAT(*delays.lines[1].us, DoubleNear(30.0, 1e-9));
@@ -252,7 +252,7 @@ Sends ended(std::vector<Result> results) {
   return sends;
 }
 
-TEST(Results, OneIsToldInWords) {
+TEST(Results, OneIsDescribedInWords) {
   EXPECT_EQ(to_text(result(Outcome::delivered)), "delivered in 61.2 us");
   EXPECT_EQ(to_text(result(Outcome::rejected, "queue full")), "rejected in 61.2 us: queue full");
   Result tried_often = result(Outcome::refused);
@@ -277,7 +277,7 @@ TEST(Results, ExitCodeSaysWhetherAllWereDelivered) {
   EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("1 lost"));
 }
 
-TEST(Results, WhatHasNotEndedIsCountedAndWhyIsThrown) {
+TEST(Results, SendsThatHaveNotEndedAreCountedAndTheReasonIsThrown) {
   Sends sends = ended({result(Outcome::delivered)});
   sends.asked = sends.sent = 3;
   ::testing::internal::CaptureStdout();
@@ -314,7 +314,7 @@ status::NodeRow counted(const char* counter, unsigned count, const char* cpu) {
   return node_row({{"cpu", {{"state", cpu}}}, {"counters", {{counter, count}}}});
 }
 
-TEST(RefusalCounters, SayWhyWhereTheSourceOnlyInfers) {
+TEST(RefusalCounters, SayWhyIfTheSourceOnlyInfers) {
   const std::vector<ask::Node> nodes{{1, "knee"}};
   const RefusalCounters before(ask::Rows{{1, counted("refused_cpu_absent", 3, "booting")}});
   std::vector<Result> results{result(Outcome::refused, "probably"), result(Outcome::delivered)};
@@ -324,7 +324,7 @@ TEST(RefusalCounters, SayWhyWhereTheSourceOnlyInfers) {
   EXPECT_EQ(results[1].reason, "");
 }
 
-TEST(RefusalCounters, SayNothingWhereNothingOrTwoThingsWereCounted) {
+TEST(RefusalCounters, SayNothingIfNothingOrTwoThingsWereCounted) {
   const std::vector<ask::Node> nodes{{1, "knee"}, {2, "foot"}};
   const RefusalCounters before(
       ask::Rows{{1, counted("refused_cpu_absent", 3, "absent")}, {2, counted("refused_no_buffer", 0, "running")}});

@@ -31,7 +31,7 @@ std::vector<json> whole_ring() {
 
 TEST(Whole, IsARingOfAllItsNodesWithTheirCpus) { EXPECT_EQ(lack_of_whole(node_rows(whole_ring())), ""); }
 
-TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
+TEST(Whole, LacksWhatTheFirstIncompleteNodeLacks) {
   const std::vector<std::pair<json, std::string>> lacks{
       {{{"state", "folded"}}, "it is folded"},
       {{{"state", "down"}}, "it is down"},
@@ -56,7 +56,7 @@ TEST(Whole, IsARingThatWasStopped) {
   EXPECT_EQ(lack_of_whole(node_rows(rows)), "");
 }
 
-TEST(Whole, NeedsNoCpuThatSomebodyElseStarts) {
+TEST(Whole, DoesNotNeedACpuThatSomebodyElseStarts) {
   std::vector<json> rows = whole_ring();
   rows[0]["cpu"] = {{"kind", "attached"}, {"state", "absent"}};
   EXPECT_EQ(lack_of_whole(node_rows(rows)), "");

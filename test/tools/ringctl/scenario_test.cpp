@@ -28,7 +28,7 @@ const char* const kUnmet = "scenario: a surprise\nnodes: 4\nsteps: [{when: {node
 
 using ScenarioCommand = test::OwnFolder;
 
-TEST_F(ScenarioCommand, EndsWithZeroWhereAllWasAsExpected) {
+TEST_F(ScenarioCommand, EndsWithZeroIfAllWasAsExpected) {
   const CliRun said = run_scenarios({write("good.yaml", kGood)});
   EXPECT_EQ(said.code, kDone);
   EXPECT_THAT(said.out, HasSubstr("end: all as expected"));
@@ -41,7 +41,7 @@ TEST_F(ScenarioCommand, EndsWithOneAndSaysWhatWasSeenInstead) {
   EXPECT_THAT(said.out, AllOf(HasSubstr("2 scenarios: 1 not as expected:\n  "), EndsWith("unmet.yaml\n")));
 }
 
-TEST_F(ScenarioCommand, SumsUpWhereThereAreSeveral) {
+TEST_F(ScenarioCommand, SumsUpIfThereAreSeveral) {
   EXPECT_THAT(run_scenarios({write("good.yaml", kGood), write("as_good.yaml", kGood)}).out,
               EndsWith("2 scenarios: all as expected\n"));
 }
@@ -54,7 +54,7 @@ TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
   EXPECT_THAT(said.errors, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
 }
 
-TEST_F(ScenarioCommand, AReportTellsOfAFileThatIsRefused) {
+TEST_F(ScenarioCommand, AReportNamesAFileThatIsRefused) {
   const std::string junit = folder + "/junit.xml";
   for (const char* bad : {"scenario: x\nnodes: 4\nstep: []\n", "scenario: x\nnodes: 4\nsteps: []\n"}) {
     const CliRun said = run_scenarios({write("good.yaml", kGood), write("bad.yaml", bad), "--junit", junit, "--json"});
@@ -81,7 +81,7 @@ TEST_F(ScenarioCommand, AScenarioInWhichNoTimePassesIsNotPassed) {
   EXPECT_THAT(said.errors, AllOf(HasSubstr("idle.yaml: it has no step"), HasSubstr("steps: [{at: 1s}]")));
 }
 
-TEST_F(ScenarioCommand, ListsAFolderAndNamesWhatIsNoScenario) {
+TEST_F(ScenarioCommand, ListsAFolderAndNamesWhatIsNotAScenario) {
   write("a_ring.yaml", "ring: mine\nnodes: [{id: 0, name: a}, {id: 1, name: b}]\n");
   write("b_good.yaml", kGood);
   write("c_text.yaml", "- just\n- a list\n");
@@ -92,7 +92,7 @@ TEST_F(ScenarioCommand, ListsAFolderAndNamesWhatIsNoScenario) {
   EXPECT_THAT(said.errors, AllOf(HasSubstr("not a scenario: "), HasSubstr("a_ring.yaml"), HasSubstr("c_text.yaml")));
 }
 
-TEST_F(ScenarioCommand, AFolderWithoutAnyFileIsRefusedAlsoAfterOneWithOthers) {
+TEST_F(ScenarioCommand, AFolderWithoutScenariosIsRefusedEvenAfterOneWithScenarios) {
   const std::string full = folder + "/full", empty = folder + "/empty";
   std::filesystem::create_directory(full);
   std::filesystem::create_directory(empty);
@@ -102,7 +102,7 @@ TEST_F(ScenarioCommand, AFolderWithoutAnyFileIsRefusedAlsoAfterOneWithOthers) {
   EXPECT_THAT(said.errors, HasSubstr("/empty: no scenario there (*.yaml)"));
 }
 
-TEST_F(ScenarioCommand, AFileNamedToListThatIsNoneIsAnError) {
+TEST_F(ScenarioCommand, AFileToListThatIsNotAScenarioIsAnError) {
   EXPECT_EQ(ringctl({"scenario", "list", write("bad.yaml", "- a list\n")}).code, kUsage);
 }
 
@@ -119,7 +119,7 @@ TEST_F(ScenarioCommand, SaysWhyAScenarioIsNotForLiveDaemons) {
   EXPECT_THAT(said.errors, HasSubstr("only.yaml: only under the virtual clock (--sim):\n  only: sim"));
 }
 
-TEST_F(ScenarioCommand, NamesTheFileThatAFullDiskHasNoRoomFor) {
+TEST_F(ScenarioCommand, NamesTheFileForWhichTheDiskIsTooFull) {
   for (const char* option : {"--junit", "--capture"}) {
     const CliRun said = run_scenarios({write("good.yaml", kGood), option, "/dev/full"});
     EXPECT_EQ(said.code, kNotDone) << option;
@@ -127,7 +127,7 @@ TEST_F(ScenarioCommand, NamesTheFileThatAFullDiskHasNoRoomFor) {
   }
 }
 
-TEST_F(ScenarioCommand, WhatWasFoundIsToldAlsoWhereSomethingGoesWrongAfterIt) {
+TEST_F(ScenarioCommand, ReportsWhatWasFoundEvenIfSomethingFailsAfterwards) {
   const std::string report = folder + "/report.xml";
   const CliRun said = run_scenarios({write("good.yaml", kGood), "--json", "--junit", report, "--capture", "/dev/full"});
   EXPECT_EQ(said.code, kNotDone);
@@ -146,7 +146,7 @@ TEST_F(ScenarioCommand, AFileThatCannotBeWrittenIsNamedBeforeAnyIsRun) {
   }
 }
 
-TEST_F(ScenarioCommand, WritesOverNoScenario) {
+TEST_F(ScenarioCommand, DoesNotWriteOverAScenario) {
   const std::string path = write("good.yaml", kGood);
   for (const char* option : {"--junit", "--capture"}) {
     const CliRun said = run_scenarios({path, option, path});
@@ -163,7 +163,7 @@ TEST_F(ScenarioCommand, AddsNoLogToAScenario) {
   EXPECT_THAT(said.errors, HasSubstr("good.yaml is a scenario that is to be run, and would be lost"));
 }
 
-TEST_F(ScenarioCommand, WritesEachOfItsFilesForItself) {
+TEST_F(ScenarioCommand, NeedsADifferentFileForEachOutput) {
   const std::string path = write("good.yaml", kGood), out = folder + "/out";
   for (const char* there : {"not yet", "already"}) {
     const CliRun said = run_scenarios({path, "--junit", out, "--capture", folder + "/./out"});
@@ -174,14 +174,14 @@ TEST_F(ScenarioCommand, WritesEachOfItsFilesForItself) {
   EXPECT_EQ(run_scenarios({path, "--junit", "/dev/null", "--capture", "/dev/null"}).code, kDone);
 }
 
-TEST_F(ScenarioCommand, IsNotMadeSmallInItsOwnPlace) {
+TEST_F(ScenarioCommand, IsNotShrunkOntoItsOwnFile) {
   const std::string path = write("unmet.yaml", kUnmet);
   const CliRun said = ringctl({"scenario", "shrink", path, "-o", path});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("--out names the scenario itself: " + path + " would be lost"));
 }
 
-TEST_F(ScenarioCommand, IsNotMadeSmallForAFileThatCannotBeWritten) {
+TEST_F(ScenarioCommand, IsNotShrunkIfTheFileCannotBeWritten) {
   const std::string path = write("good.yaml", kGood);
   const CliRun missing = ringctl({"scenario", "shrink", path, "-o", folder + "/none/x.yaml"});
   EXPECT_EQ(missing.code, kUsage);
@@ -191,7 +191,7 @@ TEST_F(ScenarioCommand, IsNotMadeSmallForAFileThatCannotBeWritten) {
   EXPECT_THAT(is_folder.errors, HasSubstr("--out " + folder + ": cannot be written: Is a directory"));
 }
 
-TEST_F(ScenarioCommand, LeavesTheFileForASmallOneWhereNothingIsFound) {
+TEST_F(ScenarioCommand, LeavesTheFileOfTheShrunkOneAloneIfNothingIsFound) {
   const std::string path = write("good.yaml", kGood), out = write("out.yaml", "as it was");
   EXPECT_EQ(ringctl({"scenario", "shrink", path, "-o", out}).code, kNotDone);
   EXPECT_EQ(std::filesystem::file_size(out), 9u);
@@ -199,7 +199,7 @@ TEST_F(ScenarioCommand, LeavesTheFileForASmallOneWhereNothingIsFound) {
   EXPECT_FALSE(std::filesystem::exists(folder + "/new.yaml"));
 }
 
-TEST_F(ScenarioCommand, ItsJsonIsUtf8AlsoWhereAFilesNameIsNot) {
+TEST_F(ScenarioCommand, ItsJsonIsUtf8EvenIfAFileNameIsNot) {
   const CliRun said = run_scenarios({write("good\xff.yaml", kGood), "--json"});
   EXPECT_EQ(said.code, kDone) << said.errors;
   EXPECT_THAT(said.out, HasSubstr("good\xef\xbf\xbd.yaml"));

@@ -23,7 +23,7 @@ TEST(ShellWord, IsReadBackWhateverIsInIt) {
   EXPECT_EQ(shell_word(""), "''");
 }
 
-TEST(ShellWord, HasNoQuotesWhereItNeedsNone) {
+TEST(ShellWord, HasNoQuotesIfItNeedsNone) {
   for (const char* word : {"--seed=1", "config/leg8.yaml", "10Mbit/s", "3:lost,5:restart:1"})
     EXPECT_EQ(shell_word(word), word);
 }

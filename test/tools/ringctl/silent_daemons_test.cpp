@@ -76,7 +76,7 @@ TEST_F(SilentDaemons, AreWaitedForUntilTheDeadline) {
   EXPECT_THAT(why, HasSubstr("node 0 does not answer"));
 }
 
-TEST_F(SilentDaemons, AreNamedWhereTheyHaveNotAnsweredByTheDeadline) {
+TEST_F(SilentDaemons, AreNamedIfTheyHaveNotAnsweredByTheDeadline) {
   const std::vector<NodeName> nodes{{0, "node0"}, {1, "node1"}};
   const auto not_asked = [](const ask::Answer& answer) {
     return answer.why_not == "it was not asked: no time was left";

@@ -24,7 +24,7 @@ TEST_F(Board, OutlivesItsCpuAndGoesOnWithTheNext) {
   EXPECT_EQ(next.of(1), 2u);
 }
 
-TEST_F(Board, IsOfOneNodeAlone) {
+TEST_F(Board, IsOfOneNodeOnly) {
   TakenBoard("r", 3).count(1);
   EXPECT_EQ(TakenBoard("r", 4).of(1), 0u);
 }

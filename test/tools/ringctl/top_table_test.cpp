@@ -46,7 +46,7 @@ TEST(TopRows, CountDatagramsThatWereLostAmongTheErrors) {
   EXPECT_EQ(rows[1]["errors"], 5);
 }
 
-TEST(TopRows, CountBytesOfALineWhereTheyComeInWithoutTheLinksFraming) {
+TEST(TopRows, CountBytesAtTheReceivingEndWithoutTheLinksFraming) {
   const auto rows = top_rows(kBefore, kNow);
   EXPECT_EQ(rows[0]["bytes_per_second"], (50200 - 4 * 50) / 2.0);
   EXPECT_EQ(rows[0]["load"], 25000 * 8 / 1e6);
@@ -111,7 +111,7 @@ TEST(TopTable, ShowsBytesAlsoOfALineThatHasNoRate) {
   EXPECT_THAT(top_table("robot", top_rows(before, now)), HasSubstr("     25    -"));
 }
 
-TEST(TopTable, MarksWhatHasChangedWhereThereAreColours) {
+TEST(TopTable, MarksWhatHasChangedIfThereAreColours) {
   StatusSample now = kNow;
   now.rows[1].state = "joining";
   now.rows[1].counters["timeouts"] = 3;
@@ -133,7 +133,7 @@ TEST(TopTable, CallsACpuWhatStatusCallsIt) {
   EXPECT_EQ(rows[1]["cpu"], "hung");
 }
 
-TEST(TopTable, ShowsBelowWhatIsBrokenAsFarAsThereIsRoom) {
+TEST(TopTable, ListsFaultsBelowIfThereIsRoom) {
   const auto rows = top_rows(kBefore, kNow);
   const std::string report = "broken line a -> b\nnoisy line b -> c\n";
   EXPECT_THAT(top_table("robot", rows, {24}, report), HasSubstr("noisy line"));

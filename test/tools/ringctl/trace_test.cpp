@@ -95,7 +95,7 @@ TEST_F(Trace, WithOverShowsAllThatWereSlower) {
   EXPECT_THAT(trace({captured(Case::adversarial), "--over", "1us"}).errors, Not(HasSubstr("that fit")));
 }
 
-TEST_F(Trace, WithoutSuchAPacketDidNotHappen) {
+TEST_F(Trace, OfAPacketThatWasNotSeenIsAnError) {
   for (const std::vector<std::string>& choice : {std::vector<std::string>{"--over", "1s"}, {"--at", "1s"}}) {
     std::vector<std::string> arguments{captured(Case::alone)};
     arguments.insert(arguments.end(), choice.begin(), choice.end());
@@ -123,7 +123,7 @@ TEST_F(Trace, RefusesWrongTimesAndNodesWithWhatIsRight) {
   }
 }
 
-TEST_F(Trace, RefusesAnInstantThatIsNone) {
+TEST_F(Trace, RefusesAnInvalidInstant) {
   const std::string path = captured(Case::alone);
   for (const char* time : {"-0.5", "-1", "-5ms", "0.+5", "1k.5", "0.1e1"}) {
     const CliRun said = trace({path, "--at", time});
@@ -132,7 +132,7 @@ TEST_F(Trace, RefusesAnInstantThatIsNone) {
   }
 }
 
-TEST_F(Trace, WithJsonPrintsALineAPacket) {
+TEST_F(Trace, WithJsonPrintsOneLinePerPacket) {
   const CliRun said = trace({captured(Case::adversarial), "--json", "-n", "0"});
   EXPECT_EQ(std::count(said.out.begin(), said.out.end(), '\n'), 4);
   EXPECT_THAT(said.out, HasSubstr(R"("waited_ns":4192)"));
@@ -155,7 +155,7 @@ std::vector<std::string> what_readers_say(const std::string& path) {
           ringctl({"traffic", "again", path}).errors};
 }
 
-TEST_F(Trace, ACaptureThatEndsInTheMiddleIsToldByAllThatReadIt) {
+TEST_F(Trace, EveryReaderReportsATruncatedCapture) {
   const std::string path = captured(Case::adversarial);
   const std::string whole = bytes_of(path);
   std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() - 6);
@@ -168,7 +168,7 @@ TEST_F(Trace, WhatCannotBeReadIsNamedWithTheReason) {
   for (const std::string& said : what_readers_say(file("none"))) EXPECT_THAT(said, HasSubstr("No such file"));
 }
 
-TEST_F(Trace, APacketThatWasChangedInACaptureIsToldByAllThatReadIt) {
+TEST_F(Trace, EveryReaderReportsAChangedPacketInACapture) {
   const std::string path = captured(Case::adversarial);
   std::string bytes = bytes_of(path);
   bytes[first_packet(bytes) + 28 + 12 + 7] ^= 1;  // behind the heads of the block and of the packet: its data

@@ -45,9 +45,9 @@ TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
   }
 }
 
-TEST_F(Usage, AllThatHelpNamesIsCompleted) { expect_help_completed(ringctl); }
+TEST_F(Usage, EverythingThatHelpNamesIsCompleted) { expect_help_completed(ringctl); }
 
-TEST_F(Usage, NoSubcommandIsRefused) { EXPECT_EQ(ringctl({}).code, kUsage); }
+TEST_F(Usage, AMissingSubcommandIsRefused) { EXPECT_EQ(ringctl({}).code, kUsage); }
 
 TEST_F(Usage, UnknownSubcommandIsRefusedWithAGuess) {
   EXPECT_EQ(ringctl({"fly"}).code, kUsage);
@@ -111,7 +111,7 @@ TEST_F(Usage, SendNeedsExactlyOneKindOfData) {
   EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--data", "x"}).code, kUsage);
 }
 
-TEST_F(Usage, TooLongATextIsRefusedWithTheRange) {
+TEST_F(Usage, ATextThatIsTooLongIsRefusedWithTheRange) {
   const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--data", std::string(513, 'x')});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("513 bytes"), HasSubstr("1 to 512")));
@@ -144,14 +144,14 @@ TEST_F(Usage, AnInterruptIsAPacketOrAnInputThatIsPulled) {
   }
 }
 
-TEST_F(Usage, OnlyStatusThatIsWatchedHasAnInterval) {
+TEST_F(Usage, OnlyAWatchedStatusHasAnInterval) {
   EXPECT_EQ(ringctl({"status", "--interval", "1"}).code, kUsage);
   EXPECT_EQ(ringctl({"status", "--once"}).code, kUsage);
   EXPECT_EQ(ringctl({"status", "--watch", "--pids"}).code, kUsage);
   EXPECT_THAT(ringctl({"status", "--watch", "--json"}).errors, HasSubstr("--once"));
 }
 
-TEST_F(Usage, OfAllRingsNoSingleOneIsNamed) {
+TEST_F(Usage, ARingIsNotNamedTogetherWithAllRings) {
   EXPECT_EQ(ringctl({"status", "--rings"}).out, "no ring is running\n");
   EXPECT_THAT(ringctl({"--ring", "leg", "status", "--rings"}).errors,
               HasSubstr("--rings shows all rings; leave it out"));
@@ -175,7 +175,7 @@ TEST_F(Usage, FactorsAndInputsEndAtSeven) {
   EXPECT_EQ(ringctl({"interrupt", "--from", "0", "--input", "8"}).code, kUsage);
 }
 
-TEST_F(Usage, WhereNoRingRunsThatIsSaid) {
+TEST_F(Usage, SaysSoIfNoRingRuns) {
   const CliRun said = ringctl({"status"});
   EXPECT_EQ(said.code, kNoRing);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("no ring is running"), HasSubstr(folder)));
@@ -197,7 +197,7 @@ TEST_F(Usage, RingThatDoesNotRunIsNamed) {
   }
 }
 
-TEST_F(Usage, RingNameThatIsNoneIsRefused) {
+TEST_F(Usage, AnInvalidRingNameIsRefused) {
   EXPECT_EQ(ringctl({"--ring", "../etc", "status"}).code, kUsage);
   EXPECT_EQ(ringctl({"up", "--nodes", "2", "--ring", "a/b"}).code, kUsage);
 }
@@ -217,7 +217,7 @@ TEST_F(Usage, UpNeedsAFileOrANumberOfNodes) {
   EXPECT_EQ(ringctl({"up", "--nodes", "4", "--transport", "smoke"}).code, kUsage);
 }
 
-TEST_F(Usage, AFileIsNeverStandardOutputWhereThatHasTheReport) {
+TEST_F(Usage, AFileIsNeverStandardOutputIfTheReportGoesThere) {
   const std::vector<std::vector<std::string>> all{
       {"up", "--nodes", "2", "--clock", "virtual", "--for", "0.001", "--capture", "-"},
       {"scenario", "run", "walk.yaml", "--virtual", "--log", "-"},

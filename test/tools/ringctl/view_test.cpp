@@ -15,20 +15,20 @@ TEST(View, AnOrderIsTheWordsOfACommandLine) {
   EXPECT_THAT(ordered_words(R"(["stop"])"), ElementsAre("stop"));
 }
 
-TEST(View, WhatThePageHasNoButtonForIsNoOrder) {
+TEST(View, ACommandWithoutAButtonOnThePageIsRefused) {
   for (const char* order : {R"(["down"])", R"(["fault"])", R"(["fault", "babble", "a"])", R"(["clock", "sync"])", "[]",
                             "{}", R"("stop")", "[1]", "[", "", R"(["stop", "a", "b", "c", "d", "e", "f"])"})
     EXPECT_THROW(ordered_words(order), UsageError) << order;
 }
 
-TEST(View, AWordThatIsAnOptionOrNoPlainOneIsRefused) {
+TEST(View, AWordThatIsAnOptionOrNotPlainIsRefused) {
   for (const char* order :
        {R"(["stop", "--from"])", R"(["reset", "-x"])", R"(["reset", "a b"])", R"(["reset", ""])",
         R"(["reset", "a\u0000"])", R"x(["reset", "$(id)"])x", R"(["reset", "../a"])", R"(["reset", "ä"])"})
     EXPECT_THROW(ordered_words(order), UsageError) << order;
 }
 
-TEST(View, ItAnswersForNumbersAndLocalhostAtItsPortAlone) {
+TEST(View, ItAnswersOnlyForNumericAddressesAndLocalhostAtItsPort) {
   for (const char* host : {"127.0.0.1:80", "localhost:80", "[::1]:80", "192.168.1.4:80"})
     EXPECT_TRUE(is_own_host(host, 80)) << host;
   for (const char* host : {"127.0.0.1", "127.0.0.1:81", "robot:80", "127.0.0.1.nip.io:80", "", ":80", "[]:80",
