@@ -25,13 +25,13 @@
 
 namespace limb_ring::bridge {
 
-/// What is logged of the interrupts that come to the bridge: a line a second for stops and one for the others, however
-/// many come. `ring_events` has each.
+/// Logs the interrupts that come to the bridge: at most one line a second for stops and one for all others. The topic
+/// `ring_events` has each interrupt.
 class InterruptLog {
  public:
   explicit InterruptLog(const config::RingConfig& ring) : ring_(ring) {}
 
-  /// "INT2 from node head: notify; 41 more since the last such line"; nothing where none is due
+  /// "INT2 from node head: notify; 41 more since the last such line"; nothing if none is due
   std::optional<std::string> take(const Interrupt& interrupt,
                                   process::Throttle::Clock::time_point now = process::Throttle::Clock::now());
 

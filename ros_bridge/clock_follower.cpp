@@ -21,7 +21,7 @@ constexpr std::int64_t kWorthTellingNs = 1'000'000'000;
 
 double in_seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) / kNsPerSecond; }
 
-/// @throw std::runtime_error where `/clock` is further from the ring's 0 than the ring's clock goes. What it says is
+/// @throw std::runtime_error if `/clock` is further from the ring's 0 than the ring's clock goes. What it says is
 /// the same for each such time, so that it is told once.
 void refuse_too_far(std::int64_t time_ns, std::int64_t zero_ns) {
   if (time_ns - zero_ns <= kLongestNs) return;

@@ -22,8 +22,9 @@ namespace limb_ring::bridge {
 
 /// What each `/clock` means for a ring that follows it. Times in ns; no IO. (ours)
 ///
-/// A `/clock` that is earlier than the one before by less than kJump is noise, or late: the ring waits until `/clock`
-/// is later than ever. If each step back were a jump, each step forward after it would give the ring time anew.
+/// A `/clock` that is less than kJump earlier than the one before is noise, or late: the ring waits until `/clock` has
+/// passed its latest value. If each step back were a jump, each step forward after it would give the ring the same time
+/// again.
 class OuterTime {
  public:
   static constexpr std::int64_t kJump = 1'000'000'000;
@@ -39,10 +40,10 @@ class OuterTime {
 
   /// Nothing if the ring's time is to stay as it is.
   std::optional<Step> next(std::int64_t time_ns) const;
-  /// The daemon has allowed that.
+  /// To be called when the daemon has allowed `step`.
   void allowed(const Step& step);
   bool has_begun() const { return zero_ns_.has_value(); }
-  /// Of a ring that has been allowed so much before us; 0: it begins anew.
+  /// For a ring that had been allowed this much time before; 0: the ring begins anew.
   void take_over(std::int64_t zero_ns, std::int64_t allowed_ns);
 
  private:
@@ -50,8 +51,8 @@ class OuterTime {
   std::int64_t last_ns_ = 0;             ///< of `/clock`, as passed on
 };
 
-/// Whose `/clock` is followed: that of whoever is heard first, until it has said nothing for kSilent. Two that publish
-/// at once would be a clock that jumps to and fro.
+/// Chooses the publisher whose `/clock` is followed: the first that is heard, until it has been silent for kSilent. Two
+/// publishers at once would be a clock that jumps back and forth.
 class ClockPublisher {
  public:
   using Clock = std::chrono::steady_clock;

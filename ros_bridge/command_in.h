@@ -24,7 +24,7 @@
 namespace limb_ring::bridge {
 
 /// `joint_commands` from ROS, and the other topics of `bridge: {lockstep}`, spread over the nodes that own the joints:
-/// channel 2, priority 0, stamped with the wall clock (a virtual ring's, where it is one) and expiring after
+/// channel 2, priority 0, stamped with the wall clock (on a virtual ring, with the ring's clock) and expiring after
 /// `timeouts.command`. CommandSender sends them.
 class CommandIn {
  public:
@@ -32,7 +32,7 @@ class CommandIn {
             Counters& counters);
 
   /// Any thread: ends a latched stop of a node; `done` is called once, from the ring thread.
-  /// False where the ring thread has too much to do.
+  /// False if the ring thread has too much to do.
   bool resume(std::uint8_t node, RingPort::OnResult done);
   /// Any thread: whether that topic, one of `bridge: {lockstep}`, has a publisher.
   bool has_sender(const std::string& topic) const { return subscribers_.at(topic).getNumPublishers() != 0; }
@@ -76,7 +76,7 @@ class SensorIn {
   SensorIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port, Counters& counters);
 
  private:
-  /// Ring thread only, but for what is const.
+  /// Ring thread only, except for const members.
   struct Source {
     const std::uint8_t node;
     const std::uint8_t priority;

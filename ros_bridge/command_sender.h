@@ -19,8 +19,8 @@ namespace limb_ring::bridge {
 
 /// Commands to one node that wait until others have returned. (ours)
 ///
-/// A newer one takes the place of what older ones say of the same joints, since an old command is worth nothing; what
-/// they say of other joints still counts, each with the stamp of its own. So no more wait than the node has joints.
+/// A newer command replaces what older ones say about the same joints, since an old command is worth nothing. What the
+/// older ones say about other joints still counts, with its own stamp. So at most as many wait as the node has joints.
 class WaitingCommands {
  public:
   /// @return joints whose older command was replaced
@@ -31,9 +31,9 @@ class WaitingCommands {
     commands_.push_back(std::move(newer));
     return replaced;
   }
-  /// The oldest one; null where none waits.
+  /// The oldest one; null if none waits.
   const payload::JointCommand* oldest() const { return commands_.empty() ? nullptr : &commands_.front(); }
-  /// The same, which waits no more.
+  /// Removes and returns the oldest one.
   std::optional<payload::JointCommand> take() {
     if (commands_.empty()) return std::nullopt;
     payload::JointCommand oldest = std::move(commands_.front());
@@ -64,14 +64,14 @@ class WaitingCommands {
 
 /// Sends commands to the nodes; ring thread only.
 ///
-/// One packet per node: at most two commands to a node are under way. A newer one replaces, joint by joint, what waits:
-/// the counter commands_superseded is of joints. A node whose joints are silent gets none: its controller would refuse
-/// each, and while that is tried again, for a second, it would hold up the commands to all others.
+/// One packet per node: at most two commands to a node are under way. A newer one replaces the waiting ones joint by
+/// joint: the counter commands_superseded counts joints. A node whose joints are silent gets no command: its controller
+/// would refuse each, and the retries, which last a second, would hold up the commands to all other nodes.
 ///
-/// With `bridge: {broadcast_commands: true}` what is for several nodes goes as one broadcast, a command set, of which
-/// one is under way at a time. It is for silent nodes as well: there they hold up nothing. A broadcast is not sent
-/// again for a refusal; so where a node has refused it, the commands go to each of its nodes alone. The next set waits
-/// for those, but for 50 ms at most; if it is refused while some of them are still under way, that is its end. (ours)
+/// With `bridge: {broadcast_commands: true}` a message for several nodes goes as one broadcast, a command set. One set
+/// is under way at a time. It includes silent nodes, which hold up nothing in a broadcast. A broadcast is not sent
+/// again after a refusal: if a node refuses it, the commands go to each node of the set separately. The next set waits
+/// for these at most 50 ms. If that set is refused while some of them are still under way, it is dropped. (ours)
 class CommandSender {
  public:
   /// Whether a node (by id) sends states of its joints.
@@ -81,12 +81,12 @@ class CommandSender {
 
   /// All that one message says, with their stamps.
   void offer(const std::vector<CommandSplit::Part>& parts);
-  /// At once, to that node alone; its sequence number is set here. `done` is called once.
+  /// Sends at once, to that node only, and sets the sequence number. `done` is called once.
   void send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);
 
  private:
   using Part = CommandSplit::Part;
-  /// What has been sent to one node and not yet come back, and what waits for that.
+  /// What was sent to one node and has not returned yet, and the commands that wait for it.
   struct NodeCommands {
     unsigned under_way = 0;
     WaitingCommands waiting;
@@ -116,7 +116,7 @@ class CommandSender {
   unsigned alone_under_way_ = 0;              ///< commands to one node
   RingPort::Clock::time_point alone_sent_{};  ///< the last of those
   bool set_under_way_ = false;
-  std::uint16_t sequence_ = 0;  ///< where sets are sent, for all nodes
+  std::uint16_t sequence_ = 0;  ///< of command sets, one for all nodes
 };
 
 }  // namespace limb_ring::bridge

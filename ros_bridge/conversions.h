@@ -77,11 +77,11 @@ class JointStore {
 
   explicit JointStore(const config::RingConfig& ring);
 
-  /// @return false where the node is not configured, or has another number of joints.
+  /// @return false if the node is not configured, or has another number of joints.
   bool take(std::uint8_t node, const payload::JointState& state, Clock::time_point now);
   /// The connection to the ring was lost: every node is silent until its next state comes.
   void forget();
-  /// @param pause for so long the machine may not run a process; 0 where the ring's time waits for all
+  /// @param pause how long the machine may suspend a process; 0 if the ring's time waits for all processes
   Snapshot snapshot(Clock::time_point now, Clock::duration pause = {}) const;
   Received received(std::uint8_t node) const;
   /// The node owns joints, and they are not silent.
@@ -112,12 +112,12 @@ struct CommandSplit {
   };
   std::vector<Part> parts;             ///< in ring order, nodes with a commanded joint only
   std::vector<std::string> unknown;    ///< joints that no node owns, fit to be printed
-  std::vector<std::string> not_given;  ///< joints of ours that are named, and all that is said of them is NaN
+  std::vector<std::string> not_given;  ///< known joints that are named with NaN as their only values
 };
 
 /// Stamp, sequence and validity are left for the sender to set: ROS time may be simulated.
-/// A value that is NaN counts as not given, as ros_control has it: the others are obeyed.
-/// @throw std::invalid_argument where nothing of it may be obeyed: no names, an array that is
+/// A value that is NaN counts as not given, as in ros_control; the other values are obeyed.
+/// @throw std::invalid_argument if the whole command must be refused: no names, an array that is
 ///        neither empty nor as long as `name`, a value that is infinite, a joint named twice.
 CommandSplit split_command(const sensor_msgs::JointState& message, const JointMap& joints);
 

@@ -7,7 +7,7 @@
 
 namespace limb_ring::bridge {
 
-/// What the bridge has taken, sent and thrown away, by name; shown in ring_status. Any thread.
+/// Counts what the bridge has received, sent and dropped, by name; shown in ring_status. Any thread.
 class Counters {
  public:
   using Values = std::map<std::string, std::uint64_t>;
@@ -20,12 +20,12 @@ class Counters {
     std::lock_guard<std::mutex> lock(mutex_);
     values_[name] = value;
   }
-  /// As add(), of what was lost or thrown away though somebody wanted it: /diagnostics warns.
+  /// Like add(), for losses: what was dropped although somebody wanted it. /diagnostics warns of these.
   void lose(const std::string& name, std::uint64_t count = 1) {
     std::lock_guard<std::mutex> lock(mutex_);
     losses_[name] = values_[name] += count;
   }
-  /// As set(), of such losses.
+  /// Like set(), for losses.
   void set_lost(const std::string& name, std::uint64_t value) {
     std::lock_guard<std::mutex> lock(mutex_);
     losses_[name] = values_[name] = value;

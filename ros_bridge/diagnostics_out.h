@@ -26,7 +26,7 @@
 
 namespace limb_ring::bridge {
 
-/// What the bridge itself loses, for diagnostics: a warning for kWarnFor of each of its losses that has grown. (ours)
+/// The bridge's own losses, for diagnostics: each counter of a loss that grows is a warning for kWarnFor. (ours)
 class BridgeLosses {
  public:
   using Clock = std::chrono::steady_clock;
@@ -34,7 +34,7 @@ class BridgeLosses {
   BridgeLosses();
 
   void take(const Counters::Values& losses, Clock::time_point now);
-  /// To be called behind what else the summary says.
+  /// To be called after everything else that adds to the summary.
   void tell(diagnostic_updater::DiagnosticStatusWrapper& out, Clock::time_point now);
 
  private:
@@ -67,8 +67,8 @@ class PromisesOut {
   std::thread thread_;
 };
 
-/// diagnostic_updater::Updater goes by ROS time alone, which may be simulated, or stand still, while the ring is not;
-/// here stamps are of the bridge's clock.
+/// diagnostic_updater::Updater uses only ROS time, which may be simulated, or stand still, while the ring runs in real
+/// time. Here the stamps are of the bridge's clock.
 class StampedUpdater {
  public:
   using Task = std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)>;
@@ -103,13 +103,13 @@ class StampedUpdater {
 };
 
 /// `/diagnostics`: the ring, every node and every line of it, as `limb_ring: NAME` (behind the
-/// namespace, where there is one); hardware id: the ring's name. One thread.
+/// namespace, if there is one); hardware id: the ring's name. One thread.
 class DiagnosticsOut {
  public:
   DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const Counters& counters,
                  const RosClock& clock);
 
-  /// From now on "promises" is told as well; they must outlive this. Before the first take().
+  /// From now on "promises" is reported, too. `promises` must outlive this. Call it before the first take().
   void add(const PromisesOut& promises);
   /// Publishes what the status says, together with what was wrong lately.
   void take(const RingStatus& status);

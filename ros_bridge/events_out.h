@@ -20,16 +20,16 @@
 namespace limb_ring::bridge {
 
 /// Turns what daemons tell an observer (docs/reference/requests.md) into typed events. Two of them concern the
-/// whole ring and are derived from the reports of all daemons: a fault located, the ring healed. What no daemon has
-/// told is found in their status rows: what was before it was observed, and a further line that breaks.
+/// whole ring and are derived from the reports of all daemons: a fault located, the ring healed. Events that no daemon
+/// reported are found in the status rows: those before the observation began, and a further line that breaks.
 class EventConversion {
  public:
   explicit EventConversion(const config::RingConfig& ring) : ring_(ring) {}
 
-  /// The events in one line of `node`'s daemon, in order; none where it is no event of these kinds.
+  /// The events in one line of `node`'s daemon, in order; none if it is no event of these kinds.
   std::vector<RingEvent> events_of(const config::NodeConfig& node, const std::string& line);
-  /// The events that the status row of `node`'s daemon shows, and nobody has told; none where it is no status row.
-  /// They have no stamp.
+  /// The events that the status row of `node`'s daemon shows and no daemon has reported; none if it is not a status
+  /// row. They have no stamp.
   std::vector<RingEvent> events_of_row(const config::NodeConfig& node, const std::string& row);
   /// The daemon of a node is gone: nothing is known of its part of the ring any more. The event has no stamp.
   RingEvent gone(const config::NodeConfig& node);
@@ -61,8 +61,8 @@ class EventConversion {
   std::map<std::uint8_t, Told> told_;
 };
 
-/// `ring_events`: what happens at the nodes of this host, as their daemons see it. The daemons are observed all
-/// the time, since events are rare: a subscriber misses only what was before it came.
+/// `ring_events`: what happens at the nodes of this host, as their daemons see it. The daemons are observed all the
+/// time, since events are rare: a subscriber misses only what happened before it subscribed.
 class EventsOut {
  public:
   EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, Counters& counters,

@@ -22,7 +22,7 @@ class Gait {
   };
 
   /// `step` in s is the time of a left and a right step.
-  /// @throw std::invalid_argument where `step` is not 0.8 to 10, or a leg joint is missing
+  /// @throw std::invalid_argument if `step` is not 0.8 to 10, or a leg joint is missing
   Gait(const config::RingConfig& ring, double step);
 
   /// All joints of the ring, `time` s after the start (0: the standing pose).
@@ -37,8 +37,8 @@ class Gait {
   double step_;
 };
 
-/// The last known angle of every joint: `joint_states` leaves out what is silent, and a limb without a
-/// joint state would vanish from the picture of the robot instead of showing that it is down.
+/// The last known angle of every joint. `joint_states` leaves out silent joints, and a limb without a joint state would
+/// vanish from the picture of the robot instead of being shown as down.
 class HeldJoints {
  public:
   /// Before anything has come: the angles the joints start with.

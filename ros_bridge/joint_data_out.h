@@ -17,12 +17,12 @@
 namespace limb_ring::bridge {
 
 /// Joint states and sensor readings from the ring to ROS: `joint_states` at a set rate, of all
-/// joints that are not silent; `states/NODE` (where somebody listens) and `sensors/NAME` as each
-/// sample comes. Stamps are those of the samples, by the clock of stamps of the node that took them.
+/// joints that are not silent; `states/NODE` (only while it has subscribers) and `sensors/NAME` as each
+/// sample comes. Stamps are those of the samples, from the clock of the node that took them.
 class JointDataOut {
  public:
-  /// @param sample_log path of a file for which samples each `joint_states` holds; empty: none
-  /// @throw std::invalid_argument where that cannot be written
+  /// @param sample_log path of a file that gets the samples of each `joint_states`; empty: none
+  /// @throw std::invalid_argument if that cannot be written
   JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port, Counters& counters,
                const std::string& sample_log = "");
 
@@ -36,9 +36,10 @@ class JointDataOut {
   void on_published(std::function<void(ros::Time)> handler) { published_ = std::move(handler); }
   /// Any thread: as of the last `joint_states`.
   std::vector<std::string> silent_joints() const;
-  /// Any thread: sensors of which nothing has come for three of their periods.
+  /// Any thread: sensors from which nothing has come for three of their periods.
   std::vector<std::string> silent_sensors() const;
-  /// Any thread: what is wrong with what that node sends, in words, for as long as it sends so; empty: nothing.
+  /// Any thread: what is wrong with the packets of that node, in words, as long as it sends such packets; empty:
+  /// nothing.
   std::string problem_of(std::uint8_t node) const;
   /// Any thread.
   JointStore::Received received(std::uint8_t node) const;
@@ -62,7 +63,7 @@ class JointDataOut {
   JointStore store_;
   std::vector<std::string> silent_;
   ros::Publisher states_;
-  std::ofstream log_;  ///< closed where there is none
+  std::ofstream log_;  ///< closed if there is none
   std::function<void()> publishing_ = [] {};
   std::function<void(ros::Time)> published_ = [](ros::Time) {};
   struct Sensor {

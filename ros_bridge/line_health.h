@@ -16,7 +16,7 @@
 
 namespace limb_ring::bridge {
 
-/// Value of a counter of a node's daemon; 0 where it has none of that name.
+/// Value of a counter of a node's daemon; 0 if it has none of that name.
 std::uint64_t counter_of(const NodeStatus& node, const std::string& name);
 
 /// By how much the error counters of a node, or of a line at it, have grown from one status to the next. A daemon that
@@ -39,8 +39,8 @@ class CounterGrowth {
   std::int32_t pid_ = 0;
 };
 
-/// What happened lately, each told for a while: a diagnostics reader that reads once a second would
-/// miss what came and went between two readings.
+/// Recent problems, each reported for a while: a diagnostics reader that reads once a second would otherwise miss what
+/// came and went between two readings.
 class Recent {
  public:
   using Clock = std::chrono::steady_clock;
@@ -108,8 +108,8 @@ class LineLoad {
  public:
   void take(const RingStatus& ring);
 
-  /// 0 (idle) to 1: share of the line's data rate; where it has none, of the busiest line. Nothing
-  /// where it cannot be known.
+  /// 0 (idle) to 1: share of the line's data rate; if it has no data rate, share of the busiest line's load. Nothing
+  /// if it is unknown.
   std::optional<double> of(std::uint8_t end) const;
 
  private:

@@ -135,7 +135,7 @@ std::string name_of(const Nodes& nodes, int id) {
   return found != nodes.end() ? found->name : std::to_string(id);
 }
 
-/// "A -> B"; empty where nobody knows of one.
+/// "A -> B"; empty if nobody knows of one.
 std::string broken_line(const Nodes& nodes) {
   for (const NodeStatus& node : nodes)
     if (node.broken_before >= 0 && node.broken_behind >= 0)
@@ -153,13 +153,13 @@ bool all_up(const Nodes& nodes) {
   return std::all_of(nodes.begin(), nodes.end(), [](const NodeStatus& node) { return node.state == "up"; });
 }
 
-/// Empty where none is stopped.
+/// Empty if none is stopped.
 std::string stopped_in_words(const Nodes& nodes) {
   const auto stopped = std::count_if(nodes.begin(), nodes.end(), [](const NodeStatus& node) { return node.stopped; });
   return stopped == 0 ? "" : std::to_string(stopped) + " stopped until `resume`";
 }
 
-/// "CPU of left_knee silent"; empty where none has failed.
+/// "CPU of left_knee silent"; empty if none has failed.
 std::string failed_cpus(const Nodes& nodes) {
   std::string text;
   for (const NodeStatus& node : nodes)

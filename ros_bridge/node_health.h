@@ -12,7 +12,7 @@
 
 namespace limb_ring::bridge {
 
-/// A warning of an event lasts so long.
+/// How long a warning of an event lasts.
 constexpr std::chrono::seconds kWarnFor{5};
 
 /// The condition of one node, for diagnostics. (ours)
@@ -53,7 +53,7 @@ class NodeHealth {
 ///   WARN   not every node is up: an open chain, folded, or some are down; or a stop is latched
 void tell_ring(const RingStatus& ring, diagnostic_updater::DiagnosticStatusWrapper& out);
 
-/// The same for people, with the CPUs that are silent or have failed; empty where nothing is wrong.
+/// The same for people, with the CPUs that are silent or have failed; empty if nothing is wrong.
 std::string what_is_wrong(const std::vector<NodeStatus>& nodes);
 
 }  // namespace limb_ring::bridge

@@ -162,7 +162,7 @@ bool wait_for(process::Child& child, const process::SignalWait& signals) {
   return asked;
 }
 
-/// @return true where the parent is asked to end meanwhile
+/// @return true if the parent is asked to end meanwhile
 bool wait_before_next(milliseconds wait, const process::SignalWait& signals) {
   const auto until = steady_clock::now() + wait;
   for (auto now = steady_clock::now(); now < until; now = steady_clock::now())

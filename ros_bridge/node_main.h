@@ -7,22 +7,23 @@
 
 namespace limb_ring::bridge {
 
-/// What the main() of a ROS node needs to know of it.
+/// What main() needs to know about a ROS node.
 struct NodeProgram {
-  const char* name;           ///< of the node, where nobody remaps it
+  const char* name;           ///< of the node, if nobody remaps it
   const char* help;           ///< for --help: what it does, its parameters
   std::function<void()> run;  ///< until ROS ends; what keeps it from starting is thrown
 };
 
-/// Runs a ROS node. What keeps it from starting is said by rosconsole, so on standard error, too.
-/// A node of the same name that lives is such a reason.
+/// Runs a ROS node. If it cannot start, the reason is logged by rosconsole, so on standard error, too. One such reason
+/// is a living node of the same name.
 /// @return exit code: 0 ended as asked, 1 could not run, 2 wrong arguments, parameters or configuration
 int run_node(int argc, char** argv, const NodeProgram& program);
 
-/// A text that outlives its writer: of this process and of those that it starts by fork, one after the other.
+/// A text in shared memory that outlives the process that wrote it, for this process and those that it forks one after
+/// the other.
 class KeptText {
  public:
-  /// Empty. Where the system has no room for it, it stays so.
+  /// Empty. If the system has no room for it, it stays so.
   KeptText();
   void put(const std::string& text) const;
   std::string get() const;
@@ -31,18 +32,18 @@ class KeptText {
   process::UniqueFd file_;
 };
 
-/// The Bridge of this ROS node, by the node's own parameters, until ROS ends. Apart from Bridge, whose header takes
-/// seconds to compile.
-/// @param kept holds those parameters for the next life of this node: a ROS master that is new by then knows none
+/// Runs the Bridge of this ROS node with the node's own parameters until ROS ends. It is declared here because the
+/// header of Bridge takes seconds to compile.
+/// @param kept holds these parameters for the next start of this node: a new ROS master would not know them
 /// @throw as read_parameters()
 void run_bridge(const KeptText& kept);
 
-/// Runs `program` in a child process, and again whenever that ends, since a reset of its node kills a bridge.
-/// roslaunch's own respawn would also restart, for ever, a bridge with wrong parameters.
+/// Runs `program` in a child process, and starts it again whenever it ends, since a reset of its node kills a bridge.
+/// The respawn of roslaunch would also restart a bridge with wrong parameters, for ever.
 ///
-/// Ends where this process is asked to (SIGINT, SIGTERM, SIGHUP: passed on to the child), where the child ends with 2:
-/// with wrong parameters another try would end the same way, and with its child where whoever started it is gone: of a
-/// roslaunch that was killed nobody else would end it.
+/// It ends if this process is asked to end (SIGINT, SIGTERM, SIGHUP, which are passed on to the child), and if the
+/// child ends with 2, because with wrong parameters another try would end the same way. If the process that started it
+/// is gone, it ends together with its child: nobody else would end them after roslaunch was killed.
 /// @pre this process has one thread
 /// @return exit code of the last child
 int respawned(const std::function<int()>& program);

@@ -11,27 +11,28 @@ namespace limb_ring::bridge {
 /// What ring_bridge was told in its private parameters (launch/bridge.launch lists them).
 struct Parameters {
   config::RingConfig ring;
-  /// To the daemon of the bridge's node, as its CPU. Where no node has an attached CPU, as a tool: then there
+  /// To the daemon of the bridge's node, as its CPU. If no node has an attached CPU, as a tool: then there
   /// are status, events and services, but no joint data and no topics.
   ConnectOptions daemon;
   double rate = 50.0;          ///< Hz of joint_states
   bool promises = false;       ///< judges the ring's promises, for /diagnostics
-  bool tells_time = false;     ///< publishes /clock where the ring is virtual
+  bool tells_time = false;     ///< publishes /clock if the ring is virtual
   bool follows = false;        ///< lets a virtual ring's time go on as far as /clock has come
   std::string sample_log;      ///< path of a file that says which samples each joint_states holds; empty: none
   XmlRpc::XmlRpcValue frames;  ///< what `ring_frames` shows, see FrameFilter
 };
 
-/// Warns of those that nobody reads.
+/// Reads them, and warns of parameters that nobody reads.
 /// @throw std::invalid_argument, config::ConfigError naming what is wrong and what would be right
 Parameters read_parameters(const ros::NodeHandle& own);
 
 /// A private parameter by its name, as getParam() gives it (not valid: it is not given).
-/// @return what it says; the usual value, or an empty text, where it is not given
-/// @throw std::invalid_argument where it is of another type, which getParam(name, value) takes for not given, or rounds
+/// @return its value; the default, or an empty text, if it is not given
+/// @throw std::invalid_argument if it is of another type. getParam(name, value) would treat it as not given, or round
+/// it.
 std::string text_parameter(const std::string& name, XmlRpc::XmlRpcValue given);
 double number_parameter(const std::string& name, XmlRpc::XmlRpcValue given, double usual);
-/// Hz of joint_states; where 0 or nothing is given, as configured.
+/// Hz of joint_states; if 0 or nothing is given, as configured.
 double rate_parameter(XmlRpc::XmlRpcValue given, double configured);
 bool flag_parameter(const std::string& name, XmlRpc::XmlRpcValue given, bool usual);
 
@@ -41,10 +42,10 @@ std::string as_written(XmlRpc::XmlRpcValue value);
 /// Those of the private parameters, a map, that nobody reads, such as a misspelt one.
 std::vector<std::string> unknown_parameters(XmlRpc::XmlRpcValue own);
 
-/// What the parameter server has of a private parameter.
+/// The value of a private parameter in the parameter server.
 XmlRpc::XmlRpcValue given_parameter(const ros::NodeHandle& own, const std::string& name);
 
-/// Parameter ~config: path of the ring's YAML file. @throw std::invalid_argument where it is not given
+/// Parameter ~config: path of the ring's YAML file. @throw std::invalid_argument if it is not given
 std::string config_parameter(const ros::NodeHandle& own);
 
 /// The node that a bridge belongs to: the one named, which must have an attached CPU, else config::body_of().

@@ -14,22 +14,22 @@
 
 namespace limb_ring::bridge {
 
-/// All nodes of a ring, in ring order: who may be listened to.
+/// All nodes of a ring that may be observed, in ring order.
 std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring);
 
-/// Observes daemons on this host, as any tool may, in a thread of its own until it is destroyed. A daemon
-/// that is gone, frozen, or not there yet, is tried ten times a second, one that accepts and says nothing less often;
-/// one on another host is never found.
+/// Observes daemons on this host, as any tool may, in a thread of its own until it is destroyed. A daemon that is gone,
+/// frozen, or not started yet is tried ten times a second, and less often if it accepts and does not answer. A daemon
+/// on another host is never found.
 class RingListener {
  public:
-  /// What came of a node, Disconnected included; called from the listening thread.
+  /// What came from a node, including Disconnected; called from the listening thread.
   using OnMessage = std::function<void(const config::NodeConfig& node, const Message& message)>;
   /// Whether a daemon is to tell its status row again; called from the listening thread.
   using AsksAgain = std::function<bool(const config::NodeConfig& node)>;
 
   /// `order`: as HostPort::observe() takes it. `daemon`: how to reach one; node and role are ignored.
-  /// @param asks_again where given, each daemon is asked for its status row when it is connected to, and twice a second
-  /// where this says so. The row comes as a Reply, in its place among what is observed.
+  /// @param asks_again if given, each daemon is asked for its status row when it is connected, and twice a second as
+  /// long as this returns true. The row comes as a Reply, in order with what is observed.
   RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions daemon, std::string order,
                OnMessage on_message, AsksAgain asks_again = nullptr);
   RingListener(const RingListener&) = delete;
@@ -55,7 +55,7 @@ class RingListener {
   void try_to_connect(Source& source);
   void ask(Source& source);
   void wait() const;
-  /// @return true where there may be more
+  /// @return true if there may be more
   bool drain(Source& source);
 
   std::deque<Source> sources_;

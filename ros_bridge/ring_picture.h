@@ -42,13 +42,13 @@ class RingPicture {
 /// A marker that stays until the next picture, and goes by the newest transform.
 visualization_msgs::Marker blank_marker(const std::string& frame, const std::string& ns, int id, int type);
 
-/// The limbs of nodes that are down or whose CPU hangs, as a shell in their colour around the robot's own: for each
-/// joint of such a node the shape of the link that it moves, in that link's frame.
+/// The limbs of nodes that are down or whose CPU hangs, as a coloured shell around the robot's own limb: for each joint
+/// of such a node the shape of the link that it moves, in that link's frame.
 /// Namespace: limbs of NODE; id: joint, in the node's order.
 class LimbMarks {
  public:
   /// `urdf`: the robot's description, or empty: no robot, no limbs.
-  /// @throw std::invalid_argument where it is no URDF
+  /// @throw std::invalid_argument if it is no URDF
   LimbMarks(const config::RingConfig& ring, const std::string& urdf);
 
   std::vector<visualization_msgs::Marker> markers(const RingStatus& status) const;

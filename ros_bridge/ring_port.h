@@ -22,18 +22,18 @@
 
 namespace limb_ring::bridge {
 
-/// Calls that come back once in each of their periods, at absolute deadlines of a clock whose time is given. A late one
-/// is called once; what it has missed is left out, not made up for: nobody wants old states in a burst.
+/// Periodic calls at absolute deadlines of a clock whose time is given. A late one is called once. The periods that it
+/// missed are left out, not made up for: nobody wants old states in a burst.
 class PeriodicCalls {
  public:
   using Time = std::chrono::steady_clock::time_point;
   using Duration = Time::duration;
 
-  /// @param phase so long after the multiples of the period since the clock's zero; none: the periods begin now
+  /// @param phase delay after the multiples of the period since the clock's zero; none: the periods begin now
   void add(Duration period, std::optional<Duration> phase, std::function<void()> call, Time now);
-  /// The clock is another one from now on.
+  /// To be called when the clock is replaced by another one.
   void restart(Time now);
-  /// The first deadline; Time::max() where there is no call.
+  /// The first deadline; Time::max() if there is no call.
   Time next_due() const;
   /// Calls what is due.
   void run(Time now);
@@ -59,16 +59,16 @@ struct Outgoing {
 };
 
 /// The bridge's place at the ring: one thread, the *ring thread*, owns the host port and calls
-/// everything that was registered here. So whatever is used from these calls alone needs no lock.
+/// everything that was registered here. So data that only these calls use needs no lock.
 ///
-/// Where the daemon is gone, sends end `cancelled`, and the connection is tried again, for ever.
+/// If the daemon is gone, sends end as `cancelled`, and the connection is retried for ever.
 class RingPort {
  public:
   using Clock = std::chrono::steady_clock;
   using OnPacket = std::function<void(const Packet&)>;
   using OnInterrupt = std::function<void(const Interrupt&)>;
   using OnResult = std::function<void(const Result&)>;
-  /// `problem` is empty where the connection stands.
+  /// `problem` is empty if the connection stands.
   using OnConnection = std::function<void(const std::string& problem)>;
 
   explicit RingPort(ConnectOptions options);
@@ -81,11 +81,11 @@ class RingPort {
   void on_packet(std::uint8_t channel, OnPacket handler) { packets_[channel] = std::move(handler); }
   void on_interrupt(OnInterrupt handler) { interrupt_ = std::move(handler); }
   void on_connection(OnConnection handler) { connection_.push_back(std::move(handler)); }
-  /// Called on a virtual ring alone, each millisecond of its time, and where tell_time() asks for it.
+  /// Called only on a virtual ring: each millisecond of its time, and when tell_time() asks for it.
   void on_time(std::function<void(std::chrono::nanoseconds)> handler) { time_ = std::move(handler); }
   /// Called at absolute deadlines by now(), but only after everything that has come in was taken, so that what
   /// arrived while this process was not scheduled is not taken for missing.
-  /// @param phase so long after the multiples of the period on now(); none: counted from the start
+  /// @param phase delay after the multiples of the period on now(); none: counted from the start
   void every(Clock::duration period, std::function<void()> tick, std::optional<std::chrono::nanoseconds> phase = {}) {
     ticks_.add(period, phase, std::move(tick), Clock::now());
   }
@@ -95,20 +95,21 @@ class RingPort {
   /// Ends the ring thread. No handler is called after it.
   void stop();
 
-  /// Any thread: runs `work` on the ring thread. False where 1024 wait already.
+  /// Any thread: runs `work` on the ring thread. False if 1024 wait already.
   bool post(std::function<void()> work);
   /// Any thread.
   const std::string& ring() const { return options_.ring; }
   /// Any thread: this process is alive; passed on to the daemon.
   void alive() { post_alive_ = true; }
 
-  /// Ring thread only: the steady clock's time, or the ring's where that is virtual.
+  /// Ring thread only: the steady clock's time, or the ring's time if the ring is virtual.
   Clock::time_point now() const;
   /// Any thread: the clock for stamps of what is published. On a virtual ring it shows the time that the ring thread
   /// has last seen.
   RosClock& ros_clock() { return ros_clock_; }
   const RosClock& ros_clock() const { return ros_clock_; }
-  /// Ring thread only: the stamp of what came at that time of the steady clock: since 1970, or now() on a virtual ring.
+  /// Ring thread only: the stamp of what came at that time of the steady clock, in ns since 1970; now() on a virtual
+  /// ring.
   std::int64_t stamp_of(Clock::time_point came);
   enum class Held : std::uint8_t { fulfilled, in_vain, let_go };
   /// Ring thread only: waits, in real time, until `condition` holds; the ring's time stands meanwhile, and posted work
@@ -135,7 +136,7 @@ class RingPort {
   bool connected() const { return port_.has_value(); }
   /// Ring thread only. `on_result` is called once, later, never from within send().
   void send(const Outgoing& packet, OnResult on_result);
-  /// Ring thread only: asks the daemon for something (docs/reference/requests.md), whose answer nobody wants.
+  /// Ring thread only: makes a request to the daemon (docs/reference/requests.md) and ignores the answer.
   void request(const std::string& json) {
     if (port_) port_->request(json);
   }
@@ -179,8 +180,8 @@ class RingPort {
   std::thread thread_;
 };
 
-/// Does what a service was called for. Whatever goes wrong becomes the answer: a service that just fails gives its
-/// caller no reason. @return true, as ROS wants it of a service that has answered
+/// Carries out a service call. An exception becomes the answer's message: a service that just fails gives its caller no
+/// reason. @return true, as ROS expects of a service that has answered
 template <typename Response, typename Call>
 bool answered(RingPort& port, Response& response, Call call) {
   const RingPort::TimeGoesOn time_goes_on(port);  // even if it is held for a controller, as calls take ring time

@@ -15,7 +15,7 @@
 
 namespace limb_ring::bridge {
 
-/// Notices CPUs that have been started again, from one beacon of their node to the next. (ours)
+/// Notices restarted CPUs by comparing each beacon of their node with the one before. (ours)
 class CpuBoots {
  public:
   /// @param node_boot of the node's daemon
@@ -34,8 +34,8 @@ class CpuBoots {
     std::uint64_t node;
     std::uint32_t cpu;
   };
-  /// A daemon counts its boot number up by one when it starts over, and begins with the clock in ns (protocol.md
-  /// section 4.8). So two numbers that are near belong to the same process, whose CPU may run on.
+  /// The boot number of a daemon begins with the clock in ns and grows by one when the daemon starts over (protocol.md
+  /// section 4.8). So two numbers that are close belong to the same process, whose CPU may have kept running.
   static bool is_another_daemon(std::uint64_t before, std::uint64_t now) {
     constexpr std::uint64_t kNear = 1000;
     return now > before ? now - before > kNear : before - now > kNear;
@@ -44,19 +44,19 @@ class CpuBoots {
   std::map<std::uint8_t, Boots> last_;
 };
 
-/// Asks the daemons of a ring how they are, as any tool may: its own node's in any case, and
-/// those of the others that run on this host. One thread.
+/// Asks the daemons of a ring for their status, as any tool may: that of the bridge's own node, and those of the other
+/// nodes that run on this host. One thread.
 class RingWatch {
  public:
   /// @param daemon how to reach the daemon of the bridge's own node: ring, node and runtime
   RingWatch(const config::RingConfig& ring, const ConnectOptions& daemon);
 
-  /// States, CPUs and boots as text, as told by the own node and the beacons that it hears. The costlier poll() is
-  /// needed only when this has changed. Empty if the own daemon does not answer.
+  /// States, CPUs and boots as text, from the bridge's own node and the beacons that it hears. The costlier poll() is
+  /// needed only when this text has changed. Empty if the own daemon does not answer.
   std::string digest();
   /// All configured nodes, in ring order.
   std::vector<NodeStatus> poll();
-  /// Nodes whose CPU was started again, by the beacons that the own node has heard: since the last call.
+  /// Nodes whose CPU has restarted since the last call, according to the beacons that the own node has heard.
   std::vector<std::uint8_t> take_restarted() { return std::exchange(restarted_, {}); }
 
  private:

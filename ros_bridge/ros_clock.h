@@ -8,15 +8,15 @@
 
 namespace limb_ring::bridge {
 
-/// Nanoseconds since 1970 as ROS writes them, as far as its times reach: 0 to 2^32 s, in the year 2106.
+/// Nanoseconds since 1970 as a ROS time, limited to its range: 0 to 2^32 s, in the year 2106.
 inline ros::Time to_ros_time(std::int64_t stamp_ns) {
   static const auto latest_ns = static_cast<std::int64_t>(ros::TIME_MAX.toNSec());
   ros::Time time;
   return time.fromNSec(static_cast<std::uint64_t>(std::clamp<std::int64_t>(stamp_ns, 0, latest_ns)));
 }
 
-/// The clock for stamps of what the bridge publishes: the machine's, on a virtual ring the ring's, and if that follows
-/// an outer clock, the outer one. Any thread.
+/// The clock for the stamps of what the bridge publishes: the machine's clock; on a virtual ring, the ring's clock; if
+/// that ring follows an outer clock, the outer clock. Any thread.
 class RosClock {
  public:
   static constexpr std::int64_t kMachine = -1;

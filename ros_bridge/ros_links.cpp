@@ -59,7 +59,7 @@ struct Link {
   std::string direction, topic;
 };
 
-/// Nothing where the node does not answer.
+/// Nothing if the node does not answer.
 std::optional<std::vector<Link>> links_of(const std::string& node) {
   XmlRpcValue request, uri, own, answer;
   request[0] = ros::this_node::getName();
@@ -78,7 +78,7 @@ std::optional<std::vector<Link>> links_of(const std::string& node) {
   return all;
 }
 
-/// The nodes at the other end of what a node publishes on a topic; nothing where it does not answer.
+/// The nodes at the other end of what a node publishes on a topic; nothing if it does not answer.
 std::optional<RosNodes> nodes_reached_by(const std::string& node, const std::string& topic) {
   const auto links = links_of(node);
   if (!links) return {};

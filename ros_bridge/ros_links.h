@@ -6,8 +6,8 @@
 
 namespace limb_ring::bridge {
 
-/// Checks the connections between this ROS node and nodes that hear one of its topics and answer on another. They must
-/// be in place at both ends: what a node publishes before its own end is connected is lost. One thread.
+/// Checks the connections between this ROS node and nodes that subscribe to one of its topics and answer on another.
+/// Both ends must be connected: what a node publishes before its own end is connected is lost. One thread.
 class RosLinks {
  public:
   /// @param heard, answered topics, resolved names
@@ -21,9 +21,9 @@ class RosLinks {
   std::map<std::string, std::chrono::steady_clock::time_point> seen_;  ///< by node: since when without a subscription
 };
 
-/// Waits until no other node has a connection on which this one published a topic, which has ended: a rospy subscriber
-/// that learns of a new publisher before it has noticed the end of the old one would never connect again. At most for
-/// `patience`.
+/// Waits, at most for `patience`, until no other node still has a connection to a topic that this node no longer
+/// publishes. A rospy subscriber that learns of a new publisher before it has noticed the end of the old one would
+/// never connect again.
 void await_unlinked(const std::string& topic, std::chrono::milliseconds patience);
 
 }  // namespace limb_ring::bridge

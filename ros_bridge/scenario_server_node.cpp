@@ -86,8 +86,8 @@ int wait_for(process::Program& ringctl, const std::function<bool()>& go_on) {
 }
 
 /// Plays a scenario in a ringctl of its own and waits until it has ended. Blocks.
-/// @param go_on asked many times a second; where it says no, the run is interrupted as by Ctrl-C
-/// @throw std::invalid_argument where not exactly one of path and text is given, or both live and programs;
+/// @param go_on asked many times a second; if it says no, the run is interrupted as by Ctrl-C
+/// @throw std::invalid_argument if not exactly one of path and text is given, or both live and programs;
 ///        std::runtime_error where ringctl cannot be started
 ScenarioEnd play_scenario(const ScenarioOrder& order, const std::function<bool()>& go_on) {
   const TemporaryFolder folder("scenario");

@@ -28,11 +28,11 @@
 
 namespace limb_ring::bridge {
 
-/// Services that are called by threads of their own. (ours)
+/// Services whose calls are served by threads of their own. (ours)
 class CallThreads {
  public:
   /// @param nodes of their short names
-  /// @param threads so many calls are served at a time, the others wait
+  /// @param threads how many calls are served at a time; the others wait
   CallThreads(const ros::NodeHandle& nodes, unsigned threads)
       : nodes_(nodes), threads_(threads, &queue_), names_(on_own_queue()) {}
 
@@ -57,9 +57,9 @@ class CallThreads {
   TwoNames names_;
 };
 
-/// `inject_fault`, `clear_faults`, `list_faults`: what `ringctl fault` does, for the whole ring as far as its
-/// daemons run on this host. A call returns when it has taken effect, or by a deadline; what went wrong is
-/// in its message.
+/// `inject_fault`, `clear_faults`, `list_faults`: what `ringctl fault` does, for all nodes of the ring whose daemons
+/// run on this host. A call returns when it has taken effect, or by a deadline. If something went wrong, its message
+/// says what.
 class FaultServices {
  public:
   /// @param own the bridge's node
@@ -77,8 +77,8 @@ class FaultServices {
   live::LiveFaults faults_;
 };
 
-/// `resume`: ends the stop that is latched at a node, or at all. The bridge sends it as it sends commands; where that
-/// does not reach a node, another node of this host does.
+/// `resume`: ends the stop that is latched at one node or at all nodes. The bridge sends it as it sends commands. If it
+/// cannot reach a node, another node of this host sends it.
 class ResumeService {
  public:
   /// @param daemon the bridge's, as a tool connects to it
@@ -102,10 +102,10 @@ class ResumeService {
 /// `reset_node`, `send_interrupt`, `stop`, and those of ResumeService and FaultServices, each also under the bridge's
 /// own name.
 ///
-/// A call may take seconds, so calls have queues and threads of their own, and each opens a connection of its own to
-/// the daemon, as any tool may: joint data does not wait for them. A stop waits for none of the others,
-/// `send_interrupt` and `resume` for none of those that may take long. Every call ends by a deadline, `inject_fault` of
-/// a freeze for a time when that is over; what went wrong is in its message.
+/// A call may take seconds, so calls have their own queues and threads, and each opens its own connection to the
+/// daemon, as any tool may: joint data does not wait for them. A stop does not wait for any other call;
+/// `send_interrupt` and `resume` do not wait for calls that may take long. Every call ends by a deadline;
+/// `inject_fault` with a freeze for a time ends when that time is over. If something went wrong, its message says what.
 class Services {
  public:
   /// `daemon` says how to reach the daemon of this bridge's node; its role is ignored.
@@ -131,15 +131,15 @@ class Services {
 
 constexpr std::chrono::seconds kServiceAnswer{10};  ///< a send ends after timeouts.queue and its tries
 
-/// The time-out that was asked for; 0: the usual one. Very short ones are refused: rosservice reads a whole number as
-/// nanoseconds, which nobody means here.
+/// The time-out of a call; 0: the default. Very short ones are refused: rosservice reads a whole number as nanoseconds,
+/// which nobody means here.
 std::chrono::milliseconds timeout_of(const ros::Duration& asked, std::chrono::seconds usual = kServiceAnswer);
 
 /// Id of a node by id or name.
 std::uint8_t one_node(const config::RingConfig& ring, const std::string& node);
 /// The same, or kBroadcast for "all".
 std::uint8_t destination_of(const config::RingConfig& ring, const std::string& node);
-/// The one of that id or name; all for "all" and where none is named.
+/// The one of that id or name; all for "all" and if none is named.
 std::vector<ask::Node> nodes_to_ask(const config::RingConfig& ring, const std::string& which = "");
 
 ///@}

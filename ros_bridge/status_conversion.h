@@ -14,17 +14,17 @@
 
 namespace limb_ring::bridge {
 
-/// A node of which nothing is known: state "down".
+/// A node about which nothing is known: state "down".
 NodeStatus unheard_node(const config::NodeConfig& node);
 
 /// Fills in the node's own row.
 void merge_status_row(const status::NodeRow& row, NodeStatus& status);
 
-/// Fills in what another node has heard in this node's beacons. If the node's own row is missing, but it was heard no
-/// longer than `fresh` ago, its state is `up`.
+/// Fills in what another node has heard in this node's beacons. If the node's own row is missing, but its last beacon
+/// is at most `fresh` old, its state is `up`.
 void merge_beacon(const status::Heard& heard, std::chrono::milliseconds fresh, NodeStatus& status);
 
-/// A member of what a daemon says, where that is a whole number.
+/// A member of a daemon's answer, if it is a whole number.
 inline std::int64_t number_of(const nlohmann::json& said, const char* member, std::int64_t otherwise) {
   const auto found = said.find(member);
   return found != said.end() && found->is_number_integer() ? found->get<std::int64_t>() : otherwise;

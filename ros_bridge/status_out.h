@@ -37,7 +37,7 @@ class StatusOut {
   void start();
 
  private:
-  /// What is told at once where it changes.
+  /// What is published at once when it changes.
   struct Noticed {
     std::string digest;               ///< of the daemons' states
     std::vector<std::string> silent;  ///< joints

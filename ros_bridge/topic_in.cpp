@@ -98,7 +98,7 @@ void TopicIn::on_message(const Event& event) {
     first = handed_in_.empty();
     handed_in_.push_back(std::move(message));
   }
-  // One hand-over takes all messages that wait. Where it cannot be posted, the next message tries again.
+  // One hand-over takes all messages that wait. If it cannot be posted, the next message tries again.
   if (first && !port_.post([this] { hand_over(); })) {
     std::lock_guard<std::mutex> lock(mutex_);
     counters_.lose("topic_" + topic_.input + "_dropped_busy", handed_in_.size());

@@ -20,9 +20,9 @@
 
 namespace limb_ring::bridge {
 
-/// For subscriptions whose messages are taken at once, in the thread of roscpp's that has read them. In roscpp's own
-/// queue a message may be thrown away, where the threads behind it are late, and nobody counts it. (ours)
-/// @pre the callbacks wait for nothing: all of this process that comes by TCP is read by that one thread
+/// For subscriptions whose callbacks run at once, in the roscpp thread that has read the message. If the threads behind
+/// roscpp's own queue are late, it drops messages, and nobody counts them. (ours)
+/// @pre the callbacks never wait: that one thread reads everything that comes to this process by TCP
 class DirectQueue : public ros::CallbackQueueInterface {
  public:
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override { callback->call(); }
@@ -31,24 +31,24 @@ class DirectQueue : public ros::CallbackQueueInterface {
 
 /// Whether all publishers of a topic of any type are connected to its subscription. (ours)
 ///
-/// roscpp takes type and definition of the first publisher for those of the subscription, and publishers with others
-/// refuse it: nobody is told. So a subscription that had a publisher and has none any more is made anew; it takes any
-/// type again. Where a publisher is there and not connected while others are, a person has to be told.
+/// roscpp takes the type and definition of the first publisher as those of the subscription, and publishers with others
+/// refuse it without a message. So a subscription that has lost its last publisher is made anew; it takes any type
+/// again. If one publisher is not connected while others are, a warning is needed.
 class PublisherCheck {
  public:
   enum class Verdict { well, renew, warn };
 
   /// Any thread: the subscription has a type.
   void heard() { has_type_ = true; }
-  /// Something may have changed since the last look, or is not yet clear. What is not seen from here, such as a further
-  /// publisher of another type, is left to a look now and then.
+  /// Something may have changed since the last look, or is not yet clear. Changes that cannot be seen from here, such
+  /// as a further publisher of another type, are found by an occasional look.
   bool wants_look(unsigned connected) {
     if (connected > 0) has_type_ = true;
     return connected != connected_ || (connected == 0 && has_type_) || (missing_ > 0 && !warned_);
   }
   /// @param published nodes that publish it, as far as the master knows
   /// @param connected those that are connected
-  /// @return renew: the subscription is to be made anew; warn: tell a person, once
+  /// @return renew: the subscription is to be made anew; warn: a warning is to be logged, once
   Verdict look(unsigned published, unsigned connected) {
     connected_ = connected;
     missing_ = published > connected ? missing_ + 1 : 0;
@@ -74,9 +74,8 @@ class PublisherCheck {
   unsigned alone_ = 0;      ///< looks in a row at which none was connected, though there is or was one
 };
 
-/// A ROS topic of any type, subscribed here and sent to the node the configuration names. Its type may change:
-/// the publisher may be replaced by one of another type or definition, which would refuse a subscription of roscpp's
-/// alone.
+/// A ROS topic of any type, subscribed here and sent to the node that the configuration names. Its type may change: the
+/// publisher may be replaced by one of another type or definition, which would refuse a plain subscription of roscpp.
 class TopicIn {
  public:
   TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic, RingPort& port,
@@ -89,7 +88,7 @@ class TopicIn {
   const std::string& full_name() const { return full_name_; }
   /// One thread: the master should be asked how many nodes publish it. (PublisherLook)
   bool wants_look() { return check_.wants_look(subscriber_.getNumPublishers()); }
-  /// The same thread: so many, as far as the master knows.
+  /// The same thread: takes the number of publishers that the master knows.
   void look(unsigned published);
 
  private:
@@ -116,9 +115,9 @@ class TopicIn {
   ros::Subscriber subscriber_;  ///< after the constructor look()'s thread alone; last: its callback uses the others
 };
 
-/// Asks the master how many publish the topics of each TopicIn: once a second where one wants to know, else every ten
-/// seconds, since the master has more to do than to answer this. In a thread of its own, since a master that is out of
-/// reach does not answer for minutes, and the other threads are the CPU's.
+/// Asks the master how many nodes publish the topics of each TopicIn: once a second if a TopicIn wants to know, else
+/// every ten seconds, to spare the master. It has a thread of its own, since an unreachable master does not answer for
+/// minutes, and the other threads are the CPU's.
 class PublisherLook {
  public:
   /// @param topics outlive this

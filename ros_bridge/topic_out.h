@@ -19,7 +19,7 @@
 
 namespace limb_ring::bridge {
 
-/// A thread for what may take long, one piece of work after the other.
+/// A thread for work that may take long, one piece after the other.
 class WorkThread {
  public:
   WorkThread() : thread_([this] { run(); }) {}
@@ -63,9 +63,9 @@ class WorkThread {
   std::thread thread_;
 };
 
-/// ROS topics of any type that come over the ring to this node, put together again and published
-/// as they were, byte for byte. A topic is advertised when its type is announced, in a thread of its own: where the
-/// master is gone, that waits until it is back. Meanwhile its messages wait, at most as many as its queue holds.
+/// ROS topics of any type that come over the ring to this node, reassembled and published byte for byte as they were. A
+/// topic is advertised when its type is announced, in a separate thread: if the master is gone, this waits until it is
+/// back. Meanwhile the topic's messages wait, at most as many as its queue holds.
 class TopicOut {
  public:
   TopicOut(ros::NodeHandle& nodes, const config::RingConfig& ring, std::uint8_t own_id, RingPort& port,

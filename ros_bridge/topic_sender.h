@@ -22,7 +22,8 @@ struct TopicMessage {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Two publishers of one type may word its definition differently, as roscpp and rospy do. (ours)
+/// Whether two types are the same: two publishers may word the definition of one type differently, as roscpp and rospy
+/// do. (ours)
 inline bool is_same_type(const payload::Announcement& one, const payload::Announcement& other) {
   return one.datatype == other.datatype && one.md5sum == other.md5sum;
 }
@@ -35,12 +36,12 @@ inline bool is_same_type(const payload::Announcement& one, const payload::Announ
 /// fragment that was not delivered the rest of its message is not sent. A latched topic's last
 /// message is sent again, with the next announce(), until it has arrived.
 ///
-/// Of several publishers of one type, the definition is the first one's, and the topic is latched from the first one on
-/// that latches: far away there is one publisher for all of them. (ours)
+/// If a topic has several publishers, the definition of the first one counts, and the topic is latched as soon as one
+/// of them latches: at the far side there is one publisher for all of them. (ours)
 class TopicSender {
  public:
   static constexpr unsigned kWindow = 4;
-  /// Bytes of a message, or of a type: what the other bridge puts together. Fragments could carry more.
+  /// Largest message or type in bytes: what the other bridge reassembles. Fragments could carry more.
   static constexpr std::size_t kLargest = payload::Reassembler::Limits{}.message;
   using Send = std::function<void(const Outgoing&, RingPort::OnResult)>;
   using OnTooLarge = std::function<void(std::size_t bytes)>;
@@ -58,7 +59,7 @@ class TopicSender {
   void far_side_restarted();
 
  private:
-  /// A message some of whose fragments are under way.
+  /// A message of which some fragments are under way.
   struct Flight {
     bool announcement = false;
     bool failed = false;

@@ -10,29 +10,29 @@
 
 namespace limb_ring::bridge {
 
-/// What the ROS master knows: by full names, the nodes of each topic and service, also those that have died without
+/// What the ROS master knows, by full names: the nodes of each topic and service, including those that died without
 /// telling it.
 struct MasterState {
   using Nodes = std::set<std::string>;
   using ByName = std::map<std::string, Nodes>;
   ByName publishers, subscribers, services;
 
-  /// None where nobody has it.
+  /// None if nobody has it.
   static Nodes of(const ByName& all, const std::string& name) {
     const auto found = all.find(name);
     return found == all.end() ? Nodes{} : found->second;
   }
 };
 
-/// Nothing where the master does not answer; one that is gone is not waited for.
+/// Nothing if the master does not answer. It does not wait for a master that is gone.
 std::optional<MasterState> master_state();
 
-/// The services of this node, each under two names: the node's own (`ring_bridge/stop`), which nobody else has, and the
-/// short one of its namespace (`stop`). If another living node offers the short name already, it keeps it: the master
-/// would otherwise take it away from that node without a message.
+/// The services of this node, each under two names: one below the node's own name (`ring_bridge/stop`), which is
+/// unique, and the short one of its namespace (`stop`). If another living node offers the short name already, that node
+/// keeps it: the master would otherwise take it away from that node without a message.
 class TwoNames {
  public:
-  /// @param nodes of the short names; calls come by its queue
+  /// @param nodes the node handle of the short names; calls come through its queue
   explicit TwoNames(const ros::NodeHandle& nodes);
 
   template <typename Owner, typename Request, typename Response>

@@ -17,7 +17,7 @@ struct CaptureInfo {
   bool embedded = false;   ///< an interrupt packet inside a data packet, see carrier_*
   bool retry = false;      ///< not its first try
   bool own = false;        ///< of the node that saw it
-  /// From its first slice to its last; 0 where it came in one. On a line with a data rate the last
+  /// From its first slice to its last; 0 if it came in one. On a line with a data rate the last
   /// slice goes as its trailer begins.
   std::chrono::nanoseconds span{0};
   std::uint8_t carrier_source = 0;   ///< SID of the data packet that an embedded one was inside
@@ -31,13 +31,13 @@ struct CapturedPacket {
   std::int64_t steady_ns = 0;     ///< the same instant by CLOCK_MONOTONIC of that host
   std::uint32_t lost_before = 0;  ///< chosen packets left out before this one: read too slowly
   CaptureInfo info;
-  /// Header to CRC as they were on that line: 13 to 524 bytes (DATP), 12 (INTP), or what came of it.
+  /// Header to CRC as they were on that line: 13 to 524 bytes (DATP), 12 (INTP), or the part of it that came.
   std::vector<std::uint8_t> bytes;
 };
 
-/// What became of the packets on the lines that an observer of packets, or another one at the same
-/// node, looks at: seen = filtered + sampled_out + limited + lost + given. Comes as observing begins,
-/// every second in which packets are given, and as it ends.
+/// Counts of the packets on the lines that are observed at this node, by this observer or another one:
+/// seen = filtered + sampled_out + limited + lost + given. Comes when observing begins, every second in which packets
+/// are given, and when it ends.
 struct CaptureCounts {
   std::uint64_t seen = 0;
   std::uint64_t filtered = 0;     ///< not asked for

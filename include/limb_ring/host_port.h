@@ -52,9 +52,9 @@ struct Interrupt {
 struct Result {
   std::uint32_t token = 0;  ///< what the call returned
   Outcome outcome = Outcome::rejected;
-  std::chrono::nanoseconds round_trip{0};  ///< first byte out to matched return; 0 where none came
+  std::chrono::nanoseconds round_trip{0};  ///< first byte out to matched return; 0 if none came
   unsigned tries = 0;                      ///< times put onto the line
-  std::string reason;                      ///< why not, for people; empty where it was delivered
+  std::string reason;                      ///< why it was not delivered, for people; else empty
   Reason why = Reason::none;               ///< the same for programs
 };
 
@@ -69,7 +69,7 @@ struct Observed {
   std::string json;
 };
 
-/// This client read too slowly; so many Observed were left out before the next one.
+/// This client read too slowly: the number of Observed that were left out before the next one.
 struct ObservedLost {
   std::uint64_t count = 0;
 };
@@ -87,14 +87,14 @@ struct HostPortError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What was waited for has not come in time. It may still come.
+/// A wait has reached its deadline. What it waited for may still come.
 struct HostPortTimeout : HostPortError {
   using HostPortError::HostPortError;
 };
 
 /// What a program is at its node. (ours)
 enum class Role : std::uint8_t {
-  tool,  ///< any number may send, pull inputs, ask and observe, each getting its own results
+  tool,  ///< any number of tools may send, pull inputs, make requests and observe; each gets its own results
   cpu    ///< the node's CPU, one at a time: also receives packets and interrupts, and is reset
 };
 
@@ -104,24 +104,24 @@ struct ConnectOptions {
   std::string node;  ///< id or name; empty: the environment's LIMB_RING_NODE
   Role role = Role::tool;
   /// role cpu, not a child of ringd: somebody (roslaunch's respawn) restarts this process when
-  /// a reset kills it. Where nobody does, resets of this node say so.
+  /// a reset kills it. If nobody does, resets of this node say so.
   bool restarted_by_owner = false;
   /// role cpu: promises to call alive() (or anything else) at least this often. 0: no promise.
   std::chrono::milliseconds alive_period{0};
-  /// A Result may come up to 20 ms late, with the next packet or whatever else comes: for programs that send at a fixed
-  /// rate and wait for no Result. It spares both processes a wake-up per send.
+  /// Results may come up to 20 ms late, with the next packet or other message: for programs that send at a fixed rate
+  /// and do not wait for Results. It spares both processes a wake-up per send.
   bool results_may_wait = false;
-  /// Asks for something and goes, as ringctl's status and stop do: there is a place for it where limits.clients are
-  /// taken. As for a CPU, which has such a place, too.
+  /// This program makes a few requests and disconnects, as ringctl's status and stop do. The daemon has a place for it
+  /// even if limits.clients are connected, as it has for a CPU.
   bool asks_only = false;
   /// role cpu, on a ring with a virtual clock (`ringctl up --clock virtual`): its time goes on only while this program
-  /// waits, in receive(), wait(), ask() or sleep_until(). False: it does not wait for this program, as it does for no
-  /// tool; for a CPU that waits elsewhere, such as in poll().
+  /// waits, in receive(), wait(), ask() or sleep_until(). False: the ring's time does not wait for this program, as it
+  /// never waits for a tool; set this for a CPU that waits elsewhere, such as in poll().
   bool lockstep = true;
-  /// How long to go on trying while the daemon is not there yet. As soon as it is, it has as long to answer, 2 s where
-  /// this is more or 0.
+  /// How long to go on trying while the daemon is not there yet. Once it is there, it has the same time to answer, but
+  /// 2 s if this is 0 or more than 2 s.
   std::chrono::milliseconds timeout{2000};
-  /// Folder in the place of $XDG_RUNTIME_DIR, for rings that keep apart; empty: the environment's.
+  /// Folder instead of $XDG_RUNTIME_DIR, for rings that are kept apart; empty: the environment's.
   std::string runtime;
   /// Called about every 50 ms while connect() waits, a CPU in lockstep waits for its turn, or another program sleeps on
   /// a virtual ring: these may last for as long as that ring is paused. What it throws ends the wait. A turn that was
@@ -131,18 +131,18 @@ struct ConnectOptions {
 
 /// A program's connection to a node's network controller (ringd).
 ///
-/// Not for several threads at a time; nothing is called back. Sends return at once with a token; the Result with that
-/// token comes out of receive(). Writing waits while the daemon's socket is full, for 5 s at most:
-/// then the connection ends. It ends as well where 65536 messages are left without receive().
+/// Not for several threads at a time; there are no callbacks. Sends return at once with a token; the Result with that
+/// token comes out of receive(). Writing waits while the daemon's socket is full, for at most 5 s: then the connection
+/// ends. It also ends if 65536 messages are waiting because receive() was not called.
 /// Once it has ended, calls with a token still return one, whose Result is `cancelled` or whose Reply holds an error;
 /// the others do nothing.
 class HostPort {
  public:
-  /// @throw HostPortError, HostPortTimeout where the daemon is not there yet or does not answer
+  /// @throw HostPortError, HostPortTimeout if the daemon is not there yet or does not answer
   static HostPort connect(const ConnectOptions& options);
   HostPort(HostPort&&) noexcept;
   HostPort& operator=(HostPort&&) noexcept;
-  /// Sends that have not left the node by then are dropped, as where the program ends: wait() for their results first.
+  /// Drops the sends that have not left the node, as the end of the program does: wait() for their results first.
   ~HostPort();
 
   std::uint8_t id() const;          ///< of the node this port belongs to
@@ -150,13 +150,13 @@ class HostPort {
   const std::string& ring() const;  ///< the ring's name
 
   /// @name The ring's clock
-  /// A program that takes its time and its waits from here alone runs on a live ring and on a virtual one.
+  /// A program that uses only these for time and waiting runs on a live ring and on a virtual one.
   ///@{
   /// CLOCK_MONOTONIC; on a virtual ring the time since its start. In lockstep it stands still until this program waits.
   std::chrono::nanoseconds now() const;
   /// The same instant for stamps: since 1970 (CLOCK_REALTIME); on a virtual ring as now().
   std::chrono::nanoseconds stamp() const;
-  /// The stamp of a time of now() that is not long ago.
+  /// The stamp of a recent time of now().
   std::chrono::nanoseconds stamp_of(std::chrono::nanoseconds time) const;
   /// How long ago a stamp (ns, not negative) was given; negative: how far ahead it is. What was stamped on this host
   /// keeps its age when the host's wall clock is set: compare ages, or now() - age_of(stamp), never stamps with
@@ -186,23 +186,24 @@ class HostPort {
   /// Asks the daemon: a JSON object {"do": "...", ...}, at most 64 kB; see docs/reference/requests.md.
   /// @return token of the Reply
   std::uint32_t request(const std::string& json);
-  /// From now on, what happens at this node comes as Observed, and where "packets" is given, what
-  /// is on its lines as CapturedPacket: {"kinds": [...], "packets": {...}} as in requests.md.
-  /// @throw HostPortError where the text is longer than 64 kB. A filter that is refused comes as Observed {"error":
+  /// From now on, what happens at this node comes as Observed. If "packets" is given, the packets on its lines come as
+  /// CapturedPacket: {"kinds": [...], "packets": {...}} as in requests.md.
+  /// @throw HostPortError if the text is longer than 64 kB. A filter that is refused comes as Observed {"error":
   /// ...}
   void observe(const std::string& json_filter);
-  /// A CPU says that it is stopped, its joints in their safe state since an emergency stop, or no longer. The node
-  /// shows it (`ringctl status`, /stopped) and tells the others. JointState::Mode::stopped says the same.
+  /// To be called by a CPU when it is stopped (its joints in their safe state after an emergency stop) and when it no
+  /// longer is. The node shows this (`ringctl status`, /stopped) and tells the others, as for
+  /// JointState::Mode::stopped.
   void tell_stopped(bool stopped);
-  /// Says that the CPU is alive (any other call that sends, receives or waits does so too; one
-  /// that is itself waiting does not).
+  /// Says that the CPU is alive. Any other call that sends, receives or waits also says so when it begins, but not
+  /// while it waits.
   void alive();
 
-  /// The next message, waiting up to `timeout` (of now(); a tool's waits are of the machine's clock); nothing where
-  /// none came, or after Disconnected. Interrupts come first (after 16 messages that were here before them, at the
-  /// latest), then in order of arrival; a packet's turn goes to the one of highest priority that is here. A CPU is
-  /// given at most 8 packets ahead of receive(): further ones wait in the network controller, which refuses more when
-  /// its receive buffers are full.
+  /// The next message, waiting up to `timeout` (of now(); a tool's waits are of the machine's clock); nothing if
+  /// none came, or after Disconnected. Interrupts come first, after at most 16 messages that arrived before them; other
+  /// messages come in order of arrival. When it is a packet's turn, the waiting packet of highest priority is returned.
+  /// A CPU is given at most 8 packets ahead of receive(): further ones wait in the network controller, which refuses
+  /// more when its receive buffers are full.
   template <typename Rep, typename Period>
   std::optional<Message> receive(std::chrono::duration<Rep, Period> timeout) {
     constexpr std::chrono::hours kLongest{24 * 365};  // more than that would not fit nanoseconds
@@ -212,10 +213,10 @@ class HostPort {
   /// The Reply to a request, waiting up to `timeout`; other messages stay for receive().
   /// @throw HostPortTimeout; HostPortError on lost connection, or a reply holding "error".
   std::string ask(const std::string& json, std::chrono::milliseconds timeout);
-  /// The same for the token of a request(). @throw HostPortError, too, at once, where no reply of it is outstanding.
+  /// The same for the token of a request(). @throw HostPortError, too, at once, if no reply of it is outstanding.
   std::string reply(std::uint32_t token, std::chrono::milliseconds timeout);
   /// The Result of a token, waiting up to `timeout`; other messages stay for receive().
-  /// @throw HostPortTimeout; HostPortError, at once, where no result of that token is outstanding.
+  /// @throw HostPortTimeout; HostPortError, at once, if no result of that token is outstanding.
   Result wait(std::uint32_t token, std::chrono::milliseconds timeout);
 
   /// False once Disconnected is to be received, or was.

@@ -38,7 +38,8 @@ struct NodeSensor {
   std::string topic = {};
 };
 
-/// What the ring's file says of one node and its firmware. The daemon tells it, as it has read it at its own start.
+/// What the ring's file says about one node and its firmware. It comes from the daemon, as the daemon read it at its
+/// start.
 struct NodeSetup {
   std::uint8_t id = 0;
   std::string name;
@@ -46,12 +47,12 @@ struct NodeSetup {
   std::vector<NodeSensor> sensors;              ///< in the order of readings
   double state_rate = 100;                      ///< Hz, of joint states
   double bandwidth = 8, damping = 0.9;          ///< of simulated servos: Hz, and ratio
-  std::chrono::nanoseconds command_timeout{0};  ///< a joint without a command for so long: its safe state
+  std::chrono::nanoseconds command_timeout{0};  ///< after this time without a command a joint goes to its safe state
   std::uint8_t state_to = 0;                    ///< node that states and readings go to
-  std::chrono::milliseconds alive_period{200};  ///< the daemon hears from it at least so often
+  std::chrono::milliseconds alive_period{200};  ///< the daemon hears from it at least this often
 };
 
-/// What a joint shall do now, within its limits.
+/// What a joint must do now, within its limits.
 struct JointGoal {
   enum class State : std::uint8_t {
     commanded,  ///< what is given below
@@ -66,18 +67,18 @@ struct SensorValues {
   std::array<double, 3> linear{}, angular{};
 };
 
-/// The firmware of a node with joints and sensors, but for what is yours: how the joints move, what the sensors
-/// measure. It keeps the rules of a CPU towards its robot (protocol.md section 9.1; ours): commands that are stale,
-/// early, held by a stop, older, unfit or for others are refused and counted; a joint without commands goes to its safe
-/// state; a stop is latched, shown and told to the daemon; samples have numbers, stamps and fixed times; the daemon
-/// hears from it.
+/// The firmware of a node with joints and sensors. You add how the joints move and what the sensors measure. It keeps
+/// the rules of a CPU towards its robot (protocol.md section 9.1; ours): commands that are stale, early, held by a
+/// stop, older, unfit or for others are refused and counted; a joint without commands goes to its safe state; a stop is
+/// latched, shown and reported to the daemon; samples have numbers, stamps and fixed times; the daemon regularly hears
+/// that it is alive.
 ///
 ///     limb_ring::JointNode node = limb_ring::JointNode::connect(argc, argv);
 ///     std::vector<limb_ring::JointNode::Joint> joints(1);
 ///     node.on_step([&](double dt, const std::vector<limb_ring::JointGoal>& goals) { ...; return joints; });
 ///     return node.run();
 ///
-/// Not for several threads. What a function of yours throws ends run(), which passes it on.
+/// Not for several threads. An exception of one of your functions ends run(), which passes it on.
 class JointNode {
  public:
   /// Position, velocity and effort of a joint.
@@ -89,16 +90,18 @@ class JointNode {
   struct Options {
     std::string ring, node;  ///< as ConnectOptions; empty: the environment's, which ringd gives its CPUs
     std::string runtime;     ///< as ConnectOptions
-    /// Steps also when a goal changes between two samples, at that instant: for simulations. False: once a sample.
+    /// Also steps at the instant when a goal changes between two samples: for simulations. False: one step per sample.
     bool at_once = false;
-    /// Called about every 50 ms while others, such as a paused ring, keep this node waiting. What it throws ends that.
+    /// Called about every 50 ms while others, such as a paused ring, keep this node waiting. What it throws ends the
+    /// wait.
     std::function<void()> meanwhile;
   };
 
-  /// @throw HostPortError where the daemon is not there, does not answer, or has another CPU
+  /// @throw HostPortError if the daemon is not there, does not answer, or has another CPU
   static JointNode connect(const Options& options);
-  /// By `PROGRAM [RING NODE]`: without them, as ringd tells its CPU. What stands behind them, such as what roslaunch
-  /// adds, plays no part. @throw HostPortError; std::invalid_argument with the usage, for one argument alone
+  /// With the arguments `PROGRAM [RING NODE]`; without RING and NODE, from the environment that ringd gives its CPU.
+  /// Further arguments, such as those that roslaunch adds, are ignored.
+  /// @throw HostPortError; std::invalid_argument with the usage, if there is only one argument
   static JointNode connect(int argc, const char* const* argv);
   JointNode(JointNode&&) noexcept;
   JointNode& operator=(JointNode&&) noexcept;
@@ -107,28 +110,28 @@ class JointNode {
   const NodeSetup& setup() const;
   /// For packets of your own. Its receive() is this class's.
   HostPort& port();
-  /// What the joints did last, by Step; at first they stand at `initial`.
+  /// What the joints did last, as Step returned it; at first they stand at `initial`.
   const std::vector<Joint>& joints() const;
 
   /// Moves the joints: once before each sample of their state, at setup().state_rate.
   void on_step(Step step);
-  /// Measures. @throw std::invalid_argument naming the sensors, where this node has none of that name
+  /// Measures. @throw std::invalid_argument naming the sensors, if this node has none of that name
   void on_sensor(const std::string& name, std::function<SensorValues()> measure);
-  /// A packet that is no joint data. @return it is for this CPU; what is not is counted as ignored
+  /// A packet that is not joint data. @return true: it is for this CPU; false: it is counted as ignored
   void on_packet(std::function<bool(const Packet&)> take);
   /// A pin with the action `notify` was pulled.
   void on_notify(std::function<void(const Interrupt&)> take);
   /// A command was obeyed.
   void on_command(std::function<void(const payload::JointCommand&)> take);
-  /// In each turn, every 100 ms at least: to look whether to end(), such as after a signal.
+  /// In each turn, at least every 100 ms: to check whether to end(), such as after a signal.
   void meanwhile(std::function<void()> call);
   /// Once, at that time of the ring's clock (port().now()).
   void at(std::chrono::nanoseconds time, std::function<void()> call);
 
-  /// Runs until end() or until the daemon is gone. @return what end() was given; 1 where the daemon is gone
-  /// @throw std::logic_error where Step is missing or returns another number of joints, or values that are no numbers
+  /// Runs until end() or until the daemon is gone. @return what end() was given; 1 if the daemon is gone
+  /// @throw std::logic_error if Step is missing or returns another number of joints, or values that are no numbers
   int run();
-  /// Lets run() return that.
+  /// Makes run() return `code`.
   void end(int code);
   /// Counts of what was sent, obeyed and refused, in one line for people.
   std::string summary() const;

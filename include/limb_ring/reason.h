@@ -4,8 +4,8 @@
 
 namespace limb_ring {
 
-/// Why a send ended otherwise than delivered. (ours) `rejected` sends were never on the line. Why a packet was refused
-/// elsewhere the source can only infer, from its ring's file and from the beacons of the other nodes.
+/// Why a send was not delivered. (ours) `rejected` sends were never on the line. If another node refused a packet, the
+/// source can only infer the reason, from its ring's file and from the beacons of the other nodes.
 enum class Reason : std::uint8_t {
   none,             ///< delivered
   bad_size,         ///< rejected: not 1 to 512 bytes

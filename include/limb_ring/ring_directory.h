@@ -9,8 +9,8 @@
 namespace limb_ring {
 
 /// Where the sockets of the rings of this user live (ours):
-/// `$XDG_RUNTIME_DIR/limb_ring`, or where that is not set, or no absolute path, `limb_ring-UID`
-/// below the system's temporary folder. Never created here, only named.
+/// `$XDG_RUNTIME_DIR/limb_ring`; if that is not set, or not an absolute path, `limb_ring-UID` below the system's
+/// temporary folder. Only the name is made here, not the folder.
 /// @param runtime folder in the place of $XDG_RUNTIME_DIR; empty: the environment says it
 std::string rings_directory(const std::string& runtime = {});
 
@@ -26,34 +26,34 @@ inline bool is_ring_name(const std::string& name) {
 }
 
 /// The folder of one ring: `rings_directory()/RING`.
-/// @throw std::invalid_argument where that is no name of a ring
+/// @throw std::invalid_argument if that is no name of a ring
 std::string ring_directory(const std::string& ring, const std::string& runtime = {});
 
-/// Why a folder could hold what others have put there, sockets or lock files: "belongs to user 1001, not to this one
-/// (1000)". Empty where it is this user's alone, or where none is seen.
+/// Why a folder could hold sockets or lock files of other users: "belongs to user 1001, not to this one (1000)". Empty
+/// if only this user can write there, or if there is no such folder.
 std::string why_not_private(const std::string& folder);
 
 /// Creates the folder of a ring (and those above it) with mode 0700.
-/// @throw std::runtime_error naming the folder where it belongs to another user, is a link, is
+/// @throw std::runtime_error naming the folder if it belongs to another user, is a link, is
 ///        open to others, or cannot be made.
 std::string make_ring_directory(const std::string& ring);
 
 /// Rings with at least one daemon that answers, by name, sorted.
 std::vector<std::string> running_rings(const std::string& runtime = {});
 
-/// Names of nodes by their ids, both as text, from the links NAME.host to ID.host in a ring's folder. A name is as it
-/// stands there, whoever has written it.
+/// Names of nodes by their ids, both as text, from the links NAME.host to ID.host in a ring's folder. The names are not
+/// checked.
 std::map<std::string, std::string> node_names(const std::string& directory);
 
-/// Nodes of a ring that have run here: by name, or by id where a node has none; in the order of their ids. No daemon is
-/// asked whether it still runs: one that is frozen would let all others wait.
-/// @throw std::invalid_argument where that is no name of a ring
+/// Nodes of a ring that have run here: by name, or by id if a node has no name; in the order of their ids. No daemon is
+/// asked whether it still runs: a frozen one would keep all others waiting.
+/// @throw std::invalid_argument if that is no name of a ring
 std::vector<std::string> nodes_here(const std::string& ring, const std::string& runtime = {});
 
 /// Path of a node's socket: `DIRECTORY/NODE.host` and the like; NODE is an id or a name (ringd
 /// links the name to the id).
-/// @throw std::invalid_argument where the path is too long for a UNIX socket (107 bytes), or
-///        NODE is no name (as a ring's), saying so.
+/// @throw std::invalid_argument if the path is too long for a UNIX socket (107 bytes), or
+///        NODE is not a name (as a ring's).
 std::string socket_path(const std::string& directory, const std::string& node, const char* kind);
 
 }  // namespace limb_ring

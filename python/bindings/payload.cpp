@@ -23,7 +23,7 @@ using std::optional;
 
 constexpr const char* kDecodes = "From the bytes of a packet. ValueError if they cannot be read, with the reason";
 
-/// A payload that knows whether somebody has given it a stamp. Where nobody has, HostPort.send() does: the ring's clock
+/// A payload that knows whether somebody has given it a stamp. If nobody has, HostPort.send() does: the ring's clock
 /// may be a virtual one.
 template <typename T>
 struct Stamped : T {

@@ -43,7 +43,7 @@ void in_slices(nanoseconds left, Step step) {
   }
 }
 
-/// The last look before `message` goes to Python. Where a signal's handler raises now, nobody gets what is returned: it
+/// The last look before `message` goes to Python. If a signal's handler raises now, nobody gets what is returned: it
 /// goes to `keep`, for whoever asks next.
 void look_for_signals_before(const std::optional<Message>& message, const py::object& keep) {
   try {
@@ -90,7 +90,7 @@ std::optional<Message> receive(HostPort& port, double timeout, const py::object&
   return message;
 }
 
-/// What ask(milliseconds) returns; nothing where it has timed out in every slice.
+/// What ask(milliseconds) returns; nothing if it has timed out in every slice.
 template <typename Answer, typename Ask>
 std::optional<Answer> answer_in_slices(double timeout, Ask ask) {
   std::optional<Answer> answer;

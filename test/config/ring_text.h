@@ -30,7 +30,7 @@ inline std::string node_with(const std::string& more) {
          more;
 }
 
-/// What parse_ring says of a file that it refuses; empty where it takes it.
+/// What parse_ring says of a file that it refuses; empty if it takes it.
 inline std::string refusal_of(const std::string& text) {
   try {
     parse_ring(text, "ring.yaml");

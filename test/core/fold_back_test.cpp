@@ -312,7 +312,7 @@ TEST_F(FoldBackTest, AHearsWordThatIsLostIsSentAgain) {
   expect_all_reach_all();
 }
 
-// Where nobody strips, what nobody understands would go on and on.
+// If nobody strips, what nobody understands would go on and on.
 TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
   ring.cut(3_id);
   ring.run_for(30ms);

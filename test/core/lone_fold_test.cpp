@@ -265,7 +265,7 @@ TEST_F(LoneFold, ANodeThatHearsAnswersTheOneBefore) {
   EXPECT_EQ(word->node, 4);
 }
 
-// As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.
+// As much as 254 nodes have under way, and no more, should packets ever go round if nobody strips.
 TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
   hear(wire::FoldWordKind::begin, 6_id);
   const std::vector<std::uint8_t> packet(wire::kMaxDataPacketSize, 0x55);

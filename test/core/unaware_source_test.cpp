@@ -122,7 +122,7 @@ TEST_F(UnawareSource, ARetryIsTakenOnceTheHelloHasComeHome) {
   EXPECT_THAT(solo.packets(), SizeIs(1));
 }
 
-/// Where the ring folds back, node 1 has started and its hello is home. Then it hears of node 0 for the first time:
+/// If the ring folds back, node 1 has started and its hello is home. Then it hears of node 0 for the first time:
 /// that may have been in the other part of a ring in two parts.
 struct UnawareSourceOfTheOtherPart : testing::Test {
   SoloNode solo{Duration{0}, [](Settings& s) { s.fold_back = true; }};

@@ -90,7 +90,7 @@ class LinkRig {
     node(i).input.reset();
   }
 
-  /// @return false where the condition did not come true; the guard is generous.
+  /// @return false if the condition did not come true; the guard is generous.
   template <typename Condition>
   bool until(Condition&& condition) {
     const Time deadline = Clock::now() + std::chrono::seconds(30);

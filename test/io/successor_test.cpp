@@ -19,7 +19,7 @@ struct SuccessorOfFour : testing::Test {
     while (const auto candidate = successor.next(now)) all.push_back(*candidate);
     return all;
   }
-  /// All that are tried until nobody is left to try, where nobody but `there` is there.
+  /// All that are tried until nobody is left to try, if nobody but `there` is there.
   std::vector<std::size_t> tried_without_luck() {
     std::vector<std::size_t> all;
     while (const auto candidate = successor.next(now)) {

@@ -15,7 +15,7 @@ using testing::IsEmpty;
 
 /// Node 1 with node 0 upstream; whatever an unknown peer does, that stays so.
 struct UnknownPeer : testing::Test {
-  /// The line is to stay up also where this process has to wait for its turn.
+  /// The line is to stay up also if this process has to wait for its turn.
   static constexpr Timing kPatient{std::chrono::milliseconds(20), std::chrono::milliseconds(500)};
   LinkRig rig{2, Endpoint::Transport::unix_stream, kPatient};
   boost::asio::io_context io;
@@ -35,7 +35,7 @@ struct UnknownPeer : testing::Test {
     send_now(socket.get(), {bytes.data(), size});
   }
   std::uint64_t unknown_peers() { return rig.node(1).input->counters().unknown_peers; }
-  /// The header that comes back; nothing where the line is closed without a word.
+  /// The header that comes back; nothing if the line is closed without a word.
   std::optional<LinkHeader> answer(process::UniqueFd& socket) {
     std::array<std::uint8_t, kLinkHeaderSize> bytes;
     ssize_t got = -1;

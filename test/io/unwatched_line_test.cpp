@@ -1,4 +1,4 @@
-// Where the kernel watches no more descriptors: what waits for room there goes on as soon as there is some.
+// If the kernel watches no more descriptors: what waits for room there goes on as soon as there is some.
 #include <gtest/gtest.h>
 
 #include <optional>

@@ -1,4 +1,4 @@
-// Records of a core's inputs: as they were written, and refused where no driver of a core would leave them.
+// Records of a core's inputs: as they were written, and refused if no driver of a core would leave them.
 #include <gtest/gtest.h>
 
 #include "judge/record.h"

@@ -82,7 +82,7 @@ Node::Next Node::next_step(Time now) const {
   Next intp = next_interrupt(free);
   const Next datp = outgoing_ ? next_end(free) : next_datp(free);
   if (outgoing_) intp.at = settings_.embed_interrupts ? embedded_at(intp.at, datp) : kNever;
-  // On a line without a rate it leaves as a whole, also where its leaving allows an INTP, as into an open chain.
+  // On a line without a rate it leaves as a whole, also if its leaving allows an INTP, as into an open chain.
   if (outgoing_ && outgoing_->complete() && outgoing_->header_left == now && settings_.byte_time_out == Duration{0})
     return datp;
   return intp.at != kNever && intp.at <= datp.at ? intp : datp;

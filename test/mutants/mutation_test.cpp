@@ -19,7 +19,7 @@ struct Case {
   Promise promise;
 };
 
-/// The first broken promise of some seeds; none where all were kept.
+/// The first broken promise of some seeds; none if all were kept.
 std::optional<sim::Violation> first_violation(Mutation mutation, Promise wanted, std::uint64_t seeds = 40) {
   core::mutation = mutation;
   std::optional<sim::Violation> found;

@@ -97,7 +97,7 @@ class PatientCpu : public Cpu {
 };
 
 TEST_F(PatientCpu, GetsAResultWithTheNextPacket) {
-  // Where this process was not scheduled for 20 ms in between, it is out of time already.
+  // If this process was not scheduled for 20 ms in between, it is out of time already.
   for (int tries = 0; result_comes_at_once(); ++tries) ASSERT_LT(tries, 20);
   give(Packet{1, 3, 2, 0, {0xFC}});
   EXPECT_EQ(next<Result>(port).outcome, Outcome::delivered);
@@ -111,7 +111,7 @@ TEST_F(PatientCpu, GetsAResultEvenIfNothingElseComes) {
 
 TEST_F(PatientCpu, GetsACapturedPacketNoLaterThanAnybodyBecauseAResultWaits) {
   HostPort other = tool();
-  // Where this process was not scheduled for 20 ms in between, the result is out of time already.
+  // If this process was not scheduled for 20 ms in between, the result is out of time already.
   for (int tries = 0; result_comes_at_once(); ++tries) ASSERT_LT(tries, 20);
   const std::vector<std::uint8_t> bytes(24, 7);
   client::CapturedView packet;

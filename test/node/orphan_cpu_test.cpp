@@ -45,7 +45,7 @@ class OrphanTest : public ::testing::Test {
     boost::asio::io_context io;
     return run_until(io, condition);
   }
-  /// -1 where it does not end.
+  /// -1 if it does not end.
   static int wait_status_of(pid_t pid) {
     int status = -1;
     until([&] { return ::waitpid(pid, &status, WNOHANG) == pid; });

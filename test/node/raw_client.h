@@ -15,7 +15,7 @@ class RawClient {
   explicit RawClient(const std::string& ring, const std::string& node)
       : socket_(connect(socket_path(ring_directory(ring), node, "host"))) {}
 
-  /// @return false where not all of it could be said
+  /// @return false if not all of it could be said
   bool say_bytes(wire::ByteView bytes) {
     std::size_t written = 0;
     socket_.write(bytes, written);
@@ -28,7 +28,7 @@ class RawClient {
     client::append(bytes, message);
     return say_bytes(bytes);
   }
-  /// True where the daemon has hung up; what it said before is kept for last_words().
+  /// True if the daemon has hung up; what it said before is kept for last_words().
   bool hung_up() {
     client::UnixSocket::Status status;
     do status = socket_.read(heard_);

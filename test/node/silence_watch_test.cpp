@@ -28,7 +28,7 @@ class SetClock : public event_loop::NodeClock {
     }
     now_ = when;
   }
-  /// As where nobody had the processor until then.
+  /// As if nobody had the processor until then.
   void jump_to(Time when) {
     now_ = when;
     if (due_ && *due_ <= when) {

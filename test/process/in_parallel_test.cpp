@@ -1,4 +1,4 @@
-// Work for several threads, also where the system has none to give.
+// Work for several threads, also if the system has none to give.
 #include "io/in_parallel.h"
 
 #include <gmock/gmock.h>

@@ -37,7 +37,7 @@ class Respawned : public ::testing::Test {
     const pid_t restarts_it = getppid();
     return write(said.ends[1], &restarts_it, sizeof restarts_it) > 0 ? until_closed(may_run) : 1;
   }
-  /// The next start of the program: the pid of what restarts it; 0 where that is gone.
+  /// The next start of the program: the pid of what restarts it; 0 if that is gone.
   pid_t next_start() const {
     pid_t pid = 0;
     return read(said.ends[0], &pid, sizeof pid) == sizeof pid ? pid : 0;

@@ -17,13 +17,13 @@ inline ScenarioRun run_of(const std::string& more) {
   return run_scenario(scenario, scenario.seed);
 }
 
-/// "EXPECTED; SEEN" of what was not met, empty where all was.
+/// "EXPECTED; SEEN" of what was not met, empty if all was.
 inline std::string unmet_of(const std::string& more) {
   const ScenarioRun run = run_of(more);
   return run.unmet ? run.unmet->expected + "; " + run.unmet->seen : "";
 }
 
-/// What the loader says of a text that it refuses; empty where it takes it.
+/// What the loader says of a text that it refuses; empty if it takes it.
 inline std::string refusal_of(const std::string& text) {
   try {
     parse_scenario(text, "test.yaml");

@@ -133,7 +133,7 @@ TEST(VirtualRing, HostsThatLoseEachOtherEachCloseARingAndThenOneAgain) {
   EXPECT_EQ(ring_sizes(ring), (std::vector<unsigned>{5, 5, 5, 5, 5}));
 }
 
-// Also where another packet's slice comes in just then.
+// Also if another packet's slice comes in just then.
 TEST(VirtualRing, ACpuTakesEachPacketInTheInstantItIsIn) {
   VirtualRing ring(gigabit(8));
   ASSERT_TRUE(ring.join());

@@ -170,7 +170,7 @@ TEST(Plan, ATimeOutCoversTheQueueBeforeASlowLine) {
   EXPECT_TRUE(made.carried());
 }
 
-// While a's 524 bytes go out, packets of 13 bytes come in from the nine others: 117 in all. Where the others' are as
+// While a's 524 bytes go out, packets of 13 bytes come in from the nine others: 117 in all. If the others' are as
 // long, 524 bytes come in, beside one half in and one half out.
 TEST(Plan, AnInsertionBufferHoldsWhatComesInWhileAnOwnPacketGoesOut) {
   std::vector<Stream> streams{stream_from(0, 1, {512}, 1ms)};

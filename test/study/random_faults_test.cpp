@@ -125,7 +125,7 @@ TEST(RandomFaults, BreakNoPromiseIfAJoiningNodeWaitsForALineAgain) { expect_no_b
 // Of two copies of a try the first came home damaged, and so it was sent again: the good one refused nothing.
 TEST(RandomFaults, BreakNoPromiseIfASecondCopyComesHomeInTheInstantOfARetry) { expect_no_breach({3600034134}); }
 
-// A refused packet of which an earlier try had been taken went again into an open chain, where nobody could tell its
+// A refused packet of which an earlier try had been taken went again into an open chain, if nobody could tell its
 // source that the receiver had forgotten that try.
 TEST(RandomFaults, BreakNoPromiseIfAReceiverStartsOverBeforeABreak) { expect_no_breach({3602020784}); }
 

@@ -4,7 +4,7 @@
 
 namespace limb_ring::test {
 
-/// what() of the `Error` that `call` throws; empty where it throws none. Others pass through.
+/// what() of the `Error` that `call` throws; empty if it throws none. Others pass through.
 template <typename Error, typename Call>
 std::string thrown(Call call) {
   try {

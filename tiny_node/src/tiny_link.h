@@ -6,10 +6,10 @@
 
 void tn_link_begin(tn_node* node);
 
-/* A datagram that is read as one of the line's; slices go to tn_slice. */
+/* Reads a datagram of the line; its slices go to tn_slice. */
 void tn_link_came(tn_node* node, tn_address from, const uint8_t* bytes, size_t size);
 
-/* Ticks, and the next candidates. */
+/* Does what is due by time: ticks, and attempts to reach the next candidates. */
 void tn_link_passed(tn_node* node, uint32_t now);
 
 /* One slice onto the line; false if the line is down. */

@@ -72,7 +72,7 @@ uint64_t tn_hash(uint64_t so_far, const char* text);
 /* The 26 bytes of a link header. (protocol.md section 6.5) */
 void tn_write_header(uint8_t* bytes, const tn_header* header);
 
-/* False if these bytes are no link header; of another version only a connect, or a refusal for that reason, is one. */
+/* False if these bytes are not a link header. In another version, only a connect and its refusal are accepted. */
 bool tn_read_header(const uint8_t* bytes, size_t size, tn_header* header);
 
 /* Whether a slice of that kind may have that many bytes. (protocol.md section 6.2) */

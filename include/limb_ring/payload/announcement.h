@@ -7,8 +7,7 @@
 
 namespace limb_ring::payload {
 
-/// What a topic is called and made of; sent as a message of its own, in fragments, before the
-/// first data of that topic. (ours)
+/// The name and type of a topic, sent as a separate message, in fragments, before the first data of that topic. (ours)
 ///
 ///   | version 8 | flags 8 | name | datatype | md5sum | definition |
 ///     name, datatype, md5sum: length u16 and so many bytes; definition: length u32 and bytes
@@ -23,7 +22,7 @@ struct Announcement {
   bool operator==(const Announcement& other) const;
 };
 
-/// @return EncodeFailure: too_large where a text does not fit its length field
+/// @return EncodeFailure: too_large if a text does not fit its length field
 ///         (item 0 name, 1 datatype, 2 md5sum, 3 definition)
 Encoded encode(const Announcement& announcement);
 Decoded<Announcement> decode_announcement(ByteView message);

@@ -11,8 +11,8 @@
 
 namespace limb_ring::payload {
 
-/// What the joints of several nodes shall do: one broadcast on channel 2 in place of a JointCommand to each of them. A
-/// node has one packet under way at a time, so those would take a lap each. (ours)
+/// What the joints of several nodes must do: one broadcast on channel 2 instead of a JointCommand to each node. A node
+/// has one packet under way at a time, so separate commands would take a lap each. (ours)
 ///
 ///    0      1         2          4                12         16      17      18
 ///   | type | version | sequence | stamp           | valid_for | flags | count | parts ...
@@ -21,7 +21,7 @@ namespace limb_ring::payload {
 ///   part:  | node 8 | count 8 | joints, as in a JointCommand ... |
 ///   flags: bit 1 saturated
 ///
-/// It resumes nothing. A node of which there is no part is not commanded.
+/// It does not resume from a stop. A node without a part is not commanded.
 struct CommandSet {
   struct Part {
     std::uint8_t node = 0;  ///< id
@@ -32,15 +32,15 @@ struct CommandSet {
   std::int64_t stamp_ns = 0;
   std::uint32_t valid_for_us = 0;
   bool saturated = false;   ///< read only: a value was out of range and cut to it
-  std::vector<Part> parts;  ///< each of another node
+  std::vector<Part> parts;  ///< at most one for each node
 
-  /// What it says to that node; nothing where it has no part.
+  /// The command for that node; nothing if it has no part.
   std::optional<JointCommand> to(std::uint8_t node) const;
 };
 
 constexpr std::size_t kCommandSetHeader = 18;  ///< bytes before the parts
 
-/// Bytes of it in a packet.
+/// Size in bytes in a packet.
 std::size_t encoded_size(const CommandSet::Part& part);
 /// @return EncodeFailure naming the part: not_a_number, too_many_items (beyond 512 bytes), bad_field (stamp, node
 /// twice)

@@ -34,8 +34,8 @@ constexpr std::size_t kFragmentBytes = kMaxPacket - kFragmentHeader;  // 492
 /// What 65,535 pieces hold: 32,243,220 bytes.
 constexpr std::size_t kMaxMessage = std::size_t{0xFFFF} * kFragmentBytes;
 
-/// 32-bit FNV-1a. Each packet has the ring's CRC already; this one finds pieces put together
-/// wrongly, and needs no library.
+/// 32-bit FNV-1a. Each packet has the ring's CRC already; this checksum finds wrongly reassembled pieces, and needs no
+/// library.
 std::uint32_t fnv1a(ByteView bytes);
 
 /// Pieces that a message of `total` bytes needs, at least 1.

@@ -13,8 +13,8 @@ class Fragmenter {
  public:
   explicit Fragmenter(std::uint8_t topic) : topic_(topic) {}
 
-  /// Takes the next message; what was left of the one before is given up.
-  /// @return false, with nothing changed, where it is longer than kMaxMessage
+  /// Takes the next message; the rest of the one before is dropped.
+  /// @return false, with nothing changed, if it is longer than kMaxMessage
   bool start(Fragment::Kind kind, std::vector<std::uint8_t> message);
   bool done() const { return index_ == count_; }
   /// The next packet, at most 512 bytes.

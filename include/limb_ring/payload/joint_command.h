@@ -9,7 +9,7 @@
 
 namespace limb_ring::payload {
 
-/// What a node's joints shall do, from the body to its CPU, on channel 2. (ours)
+/// What a node's joints must do, from the body to its CPU, on channel 2. (ours)
 ///
 ///    0      1         2          4                12         16      17      18
 ///   | type | version | sequence | stamp           | valid_for | flags | count | joints ...
@@ -23,7 +23,7 @@ namespace limb_ring::payload {
 /// not commanded. 18 + 38 * 13 = 512 bytes: at most 38 joints.
 struct JointCommand {
   struct Joint {
-    std::optional<double> position;  ///< rad; m where it slides
+    std::optional<double> position;  ///< rad; m if it slides
     std::optional<double> velocity;  ///< rad/s or m/s; with a position: its rate (feed-forward)
     std::optional<double> effort;    ///< N m or N; with a position or velocity: added to the servo's
   };

@@ -33,7 +33,7 @@ struct JointState {
     bool saturated = false;        ///< a value of this packet was out of range and cut to it
   };
   struct Joint {
-    double position = 0;  ///< rad; m where it slides
+    double position = 0;  ///< rad; m if it slides
     double velocity = 0;  ///< rad/s; m/s
     double effort = 0;    ///< N m; N
   };
@@ -47,10 +47,10 @@ struct JointState {
 
 constexpr std::size_t kMaxStateJoints = 41;
 
-/// "safe, hold, command refused"; empty where nothing is set.
+/// "safe, hold, command refused"; empty if nothing is set.
 std::string to_string(const JointState::Mode& mode);
 
-/// Sets `mode.saturated` in the bytes where a value had to be cut.
+/// Sets `mode.saturated` in the bytes if a value had to be clamped.
 /// @return EncodeFailure naming the joint: not_a_number, too_many_items, bad_field (stamp)
 Encoded encode(const JointState& state);
 Decoded<JointState> decode_joint_state(ByteView packet);

@@ -12,13 +12,12 @@
 
 namespace limb_ring::payload {
 
-/// Puts the fragments of many sources and topics together again. No IO, no clock. (ours)
+/// Reassembles the fragments of many sources and topics. No IO, no clock. (ours)
 ///
-/// It relies on the ring's order per source: a piece that comes too early means that one before
-/// it is lost, and its message is dropped and counted. A piece that comes again is left out. At
-/// most one message per (source, topic) is under way: the next one's first piece ends it.
-/// Data counts only after an announcement; an announcement starts its topic afresh, so a sender
-/// that restarts announces again and may number from 0.
+/// It relies on the ring's order per source: a piece that comes too early means that the one before it is lost, and its
+/// message is dropped and counted. A repeated piece is ignored. At most one message per (source, topic) is under way:
+/// the first piece of the next message ends it. Data counts only after an announcement. An announcement starts its
+/// topic anew, so a sender that restarts announces again and may number from 0.
 class Reassembler {
  public:
   struct Limits {
@@ -37,8 +36,8 @@ class Reassembler {
     std::uint64_t too_large = 0;      ///< longer than Limits::message
     std::uint64_t no_memory = 0;      ///< Limits::total has no room left beside the announcements
     std::uint64_t evicted = 0;        ///< longest idle, given up for a newer one
-    std::uint64_t corrupt = 0;        ///< checksum wrong, or an announcement that is none
-    std::uint64_t malformed = 0;      ///< packets that are no fragment
+    std::uint64_t corrupt = 0;        ///< wrong checksum, or a malformed announcement
+    std::uint64_t malformed = 0;      ///< packets that are not a fragment
     std::uint64_t duplicates = 0;     ///< fragments that came again, or of an older message
     std::uint64_t ignored = 0;        ///< further fragments of a message dropped already
   };
@@ -55,7 +54,7 @@ class Reassembler {
 
   /// Takes one packet of channel 3. @return the message it completes
   std::optional<Message> take(std::uint8_t source, ByteView packet);
-  /// What (source, topic) announced last; null where nothing. Valid until the next take().
+  /// What (source, topic) announced last; null if nothing. Valid until the next take().
   const Announcement* announcement(std::uint8_t source, std::uint8_t topic) const;
   const Counters& counters() const { return counters_; }
   /// Bytes that count against Limits::total now.

@@ -57,7 +57,7 @@ class Child {
   std::uint64_t waits() const { return std::stoull(status("voluntary_ctxt_switches:")); }
 
  private:
-  /// What /proc says of it under that name; empty where it has ended.
+  /// What /proc says of it under that name; empty if it has ended.
   std::string status(const std::string& name) const {
     std::istringstream lines(content("/proc/" + std::to_string(pid_) + "/status"));
     for (std::string line; std::getline(lines, line);)

@@ -75,7 +75,7 @@ TEST_F(Plan, LeavesControlBrokenAndRepeatedPacketsOut) {
   EXPECT_EQ(made.broken, 1u);
 }
 
-/// `ringctl traffic again` of a capture whose two packets are a year apart, where no ring runs.
+/// `ringctl traffic again` of a capture whose two packets are a year apart, if no ring runs.
 class ReplayOfAYear : public test::OwnFolder {
  protected:
   ReplayOfAYear() {

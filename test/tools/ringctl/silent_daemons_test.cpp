@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 
 class SilentDaemons : public test::OwnFolder {
  protected:
-  /// Takes who comes, and tells nobody anything. @return false where they were never all asked at the same time
+  /// Takes who comes, and tells nobody anything. @return false if they were never all asked at the same time
   bool all_are_asked_at_once() {
     const auto guard = steady_clock::now() + std::chrono::seconds(30);
     while (steady_clock::now() < guard) {
