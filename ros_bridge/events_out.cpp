@@ -124,7 +124,7 @@ std::vector<RingEvent> EventConversion::take_state(const json& said, const confi
   return all;
 }
 
-// A daemon also tells where only the process has changed, which is no event of ours.
+// A daemon also tells where only the process has changed, which is not an event of ours.
 std::vector<RingEvent> EventConversion::take_cpu(const json& said, const config::NodeConfig& node) {
   RingEvent made = event(RingEvent::CPU_STATE, said);
   made.node = node.name;

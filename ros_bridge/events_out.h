@@ -26,7 +26,7 @@ class EventConversion {
  public:
   explicit EventConversion(const config::RingConfig& ring) : ring_(ring) {}
 
-  /// The events in one line of `node`'s daemon, in order; none if it is no event of these kinds.
+  /// The events in one line of `node`'s daemon, in order; none if it is not an event of these kinds.
   std::vector<RingEvent> events_of(const config::NodeConfig& node, const std::string& line);
   /// The events that the status row of `node`'s daemon shows and no daemon has reported; none if it is not a status
   /// row. They have no stamp.

@@ -70,7 +70,7 @@ double number_parameter(const std::string& name, XmlRpc::XmlRpcValue given, doub
 double rate_parameter(XmlRpc::XmlRpcValue given, double configured) {
   const double rate = number_parameter("rate", given, 0.0);
   if (rate == 0.0) return configured;
-  if (!(rate >= kMinRate && rate <= kMaxRate))  // nor what is no number
+  if (!(rate >= kMinRate && rate <= kMaxRate))  // nor what is not a number
     throw std::invalid_argument("parameter ~rate is " + as_written(given) +
                                 "; it must be 0 (as configured) or 0.01 to 1000 Hz");
   return rate;

@@ -48,7 +48,7 @@ visualization_msgs::Marker blank_marker(const std::string& frame, const std::str
 class LimbMarks {
  public:
   /// `urdf`: the robot's description, or empty: no robot, no limbs.
-  /// @throw std::invalid_argument if it is no URDF
+  /// @throw std::invalid_argument if it is not a URDF
   LimbMarks(const config::RingConfig& ring, const std::string& urdf);
 
   std::vector<visualization_msgs::Marker> markers(const RingStatus& status) const;

@@ -88,7 +88,7 @@ std::optional<RosNodes> nodes_reached_by(const std::string& node, const std::str
   return nodes;
 }
 
-/// A node that does not answer is no reason to wait.
+/// A node that does not answer is not a reason to wait.
 bool hears_us(const std::string& node, const std::string& topic) {
   const auto links = links_of(node).value_or(std::vector<Link>{});
   const std::string own = ros::XMLRPCManager::instance()->getServerURI();

@@ -65,7 +65,7 @@ std::vector<std::string> arguments_of(const ScenarioOrder& order, const Temporar
   const char* where = order.live ? "--live" : order.programs ? "--virtual" : "--sim";
   std::vector<std::string> arguments{"scenario", "run", where, "--junit", folder.file("junit.xml")};
   if (order.seed != 0) arguments.insert(arguments.end(), {"--seed", std::to_string(order.seed)});
-  arguments.insert(arguments.end(), {"--", file_of(order, folder)});  // a path is no option
+  arguments.insert(arguments.end(), {"--", file_of(order, folder)});  // a path is not an option
   return arguments;
 }
 

@@ -49,7 +49,7 @@ class ByteReader {
 
   bool ended_early() const { return early_; }
   std::size_t left() const { return rest_.size; }
-  /// What is wrong with the type and version; nothing where they are right.
+  /// What is wrong with the type and version; nothing if they are right.
   std::optional<DecodeError> head(PacketType type);
   /// What is wrong with the length, after the last field.
   std::optional<DecodeError> finish() const;

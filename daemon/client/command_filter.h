@@ -21,12 +21,12 @@ enum class Verdict : std::uint8_t {
   older,     ///< not newer than the last one obeyed
   stopped,   ///< a stop is latched, and this does not resume, or was given before the stop
   unfit,     ///< for more joints than this node has
-  malformed  ///< the bytes are no command
+  malformed  ///< the bytes are not a command
 };
 constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::malformed) + 1;
 const char* to_string(Verdict verdict);
 
-/// Lets a command through only where it may be acted on now (ours, protocol.md section 9.1).
+/// Lets a command through only if it may be acted on now (ours, protocol.md section 9.1).
 ///
 /// Stamps are of the wall clock, the only one that nodes of several hosts share. Here each becomes an instant of the
 /// monotonic clock, so that a step of this host's wall clock changes nothing. Order is by that instant, then by
@@ -59,8 +59,8 @@ class CommandFilter {
   std::optional<nanoseconds> stopped_at_;
 };
 
-/// What a packet on the joint channel commands that node to do, or why it cannot be read; nothing: it is no command, or
-/// one of other nodes.
+/// What a packet on the joint channel commands that node to do, or why it cannot be read; nothing: it is not a command,
+/// or one of other nodes.
 inline std::optional<payload::Decoded<payload::JointCommand>> command_for(std::uint8_t node, payload::ByteView packet) {
   using payload::PacketType;
   if (payload::is_type(packet, PacketType::joint_command)) return payload::decode_joint_command(packet);

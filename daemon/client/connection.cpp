@@ -293,7 +293,7 @@ std::optional<UnixSocket> open_socket(const Target& target, Failed& failed) {
   return std::nullopt;
 }
 
-/// Where no daemon has ever been: it may be another node that was meant.
+/// If no daemon has ever been: it may be another node that was meant.
 std::string who_is_there(const Target& target, const ConnectOptions& options) {
   struct stat status {};
   if (lstat(target.path.c_str(), &status) == 0) return "";

@@ -39,7 +39,7 @@ class Meanwhile {
 
 using Clock = std::chrono::steady_clock;
 
-/// A CPU grants so many packets at once. Small, so that packets wait in the network controller's
+/// How many packets a CPU grants at once. Small, so that packets wait in the network controller's
 /// receive buffers, where priority and refusal work.
 constexpr std::uint16_t kPacketWindow = 8;
 /// Credit goes back with whatever is sent, or in a lot of this size: one write for several packets.
@@ -63,7 +63,7 @@ class Connection {
     if (credit_owed_ > 0) append(out_, Credit{std::exchange(credit_owed_, std::uint16_t{0})});
     flush();
   }
-  /// In lockstep every call is made in a turn: where `meanwhile` has ended a wait, the turn is still to come.
+  /// In lockstep every call is made in a turn: if `meanwhile` has ended a wait, the turn is still to come.
   void await_turn();
   /// Registers a call and returns its token. If the connection has ended, the call's end is in the inbox at once.
   std::uint32_t begin(Pending::Ends ends);

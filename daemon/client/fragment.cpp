@@ -184,7 +184,7 @@ Reassembler::Stream* Reassembler::longest_idle() {
   return idle;
 }
 
-/// @return true where the message is complete now
+/// @return true if the message is complete now
 bool Reassembler::append(Stream& stream, const Fragment& fragment) {
   if (fragment.index < stream.next) {
     ++counters_.duplicates;

@@ -78,7 +78,7 @@ class FieldReader {
   std::string_view text();
   wire::ByteView rest();
   std::string_view rest_text();
-  /// True where every field was there and nothing is left over.
+  /// True if every field was there and nothing is left over.
   bool complete() const { return !short_ && left_.empty(); }
 
  private:
@@ -128,7 +128,7 @@ class StreamBuffer {
 /// A non-blocking UNIX stream socket, owned. Calls interrupted by a signal go on by themselves.
 class UnixSocket {
  public:
-  /// Nothing where it failed; `errno` says why.
+  /// Nothing if it failed; `errno` says why.
   static std::optional<UnixSocket> connect(const std::string& path);
 
   explicit UnixSocket(process::UniqueFd fd) : fd_(std::move(fd)) {}

@@ -161,7 +161,7 @@ void append(Bytes& out, const CapturedView& message);
 void append(Bytes& out, const limb_ring::CaptureCounts& message);
 void append(Bytes& out, const Turn& message);
 
-/// Nothing where the frame is none of that direction, too short, too long, or holds a value that
+/// Nothing if the frame is none of that direction, too short, too long, or holds a value that
 /// its field may not have, or for a client JSON that is nested too deep. JSON for the daemon, destinations, priorities
 /// and sizes of a SendRequest are not judged here: they deserve an answer with a reason (arguments.h).
 std::optional<ToDaemon> decode_to_daemon(const Frame& frame);

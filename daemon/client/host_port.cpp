@@ -41,7 +41,7 @@ struct HostPort::Impl {
     return request.token;
   }
 
-  /// Reads until `taken` returns something or the deadline has passed. Other messages stay in the inbox. Where nothing
+  /// Reads until `taken` returns something or the deadline has passed. Other messages stay in the inbox. If nothing
   /// is here and the deadline is to come it waits first: the wait says whether there is anything to read.
   template <typename Taken>
   auto read_until(Taken taken, std::chrono::nanoseconds deadline) {

@@ -134,7 +134,7 @@ char unescaped(const std::string& json, std::size_t& at) {
   return known != nullptr ? kMeant[known - kLetters] : letter;
 }
 
-/// True where `json` goes on with `expected` at `at`, spaces before it left out; then `at` is
+/// True if `json` goes on with `expected` at `at`, spaces before it left out; then `at` is
 /// behind it.
 bool skip(const std::string& json, std::size_t& at, const std::string& expected) {
   const std::size_t found = json.find_first_not_of(kSpace, at);

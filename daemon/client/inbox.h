@@ -34,7 +34,7 @@ class Inbox {
   std::optional<Result> take_result(std::uint32_t token);
   std::optional<Reply> take_reply(std::uint32_t token);
   bool empty() const;
-  /// The application has left so many messages untaken that no more are accepted.
+  /// The limit is reached: the application has not taken its messages, and no more are accepted.
   bool full() const;
 
  private:
@@ -87,7 +87,7 @@ class Pending {
 
 /// {"error": "..."}
 std::string error_json(const std::string& reason);
-/// The text of an error reply, empty where `json` is none. A failed reply has "error" as its first
+/// The text of an error reply, empty if `json` is none. A failed reply has "error" as its first
 /// member; nothing else does.
 std::string error_of(const std::string& json);
 

@@ -126,7 +126,7 @@ struct JointNode::Impl {
     }
   }
 
-  /// What has ended the wait, and what has come with it. Where nothing has, nothing is asked for: that is a system
+  /// What has ended the wait, and what has come with it. If nothing has, nothing is asked for: that is a system
   /// call.
   void take_messages() {
     for (int i = 0; i < kMessagesPerTurn && message && !exit_code; ++i) {

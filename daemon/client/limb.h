@@ -20,10 +20,10 @@ class Limb {
   using Joint = payload::JointState::Joint;
 
   /// @param at_once joints are moved up to each instant at which a goal changes, too
-  /// @throw std::invalid_argument where the node has more joints than one packet carries
+  /// @throw std::invalid_argument if the node has more joints than one packet carries
   Limb(const NodeSetup& setup, bool at_once, nanoseconds now);
 
-  /// Who moves them. @pre it is set before time goes on, where there are joints
+  /// Who moves them. @pre it is set before time goes on, if there are joints
   void moved_by(JointNode::Step step) { step_ = std::move(step); }
 
   /// What a packet says to this node. Every verdict is counted; all but `obey` as refused, too.

@@ -77,17 +77,17 @@ class NodeCpu {
   };
 
   /// @param at_once as Limb
-  /// @throw std::invalid_argument where the node has more joints than one packet carries
+  /// @throw std::invalid_argument if the node has more joints than one packet carries
   NodeCpu(NodeSetup setup, bool at_once, const Timestamps& now);
 
   void moved_by(JointNode::Step step) { limb_.moved_by(std::move(step)); }
-  /// @throw std::invalid_argument naming the sensors, where there is none of that name
+  /// @throw std::invalid_argument naming the sensors, if there is none of that name
   void measured_by(const std::string& sensor, std::function<SensorValues()> measure);
   /// The first sensor that nobody measures, and that no topic gives values; empty: none.
   std::string unmeasured() const;
 
   /// A command, or a value for a sensor with a topic.
-  /// @return the command that was obeyed; nothing where none was
+  /// @return the command that was obeyed; nothing if none was
   std::optional<payload::JointCommand> receive_joint_data(const Packet& packet, const Timestamps& now);
   /// A packet that is nothing for this CPU.
   void ignore() { ++counters_.ignored; }
@@ -97,7 +97,7 @@ class NodeCpu {
   void advance(const Timestamps& now);
   /// What is to be sent; each of them gives one Result later.
   std::vector<Outgoing> take_outgoing();
-  /// When advance() is to be called next, at the latest; nothing where never.
+  /// When advance() is to be called next, at the latest; nothing if never.
   std::optional<nanoseconds> due() const;
 
   const NodeSetup& setup() const { return setup_; }

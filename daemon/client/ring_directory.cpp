@@ -37,7 +37,7 @@ void require_name(const char* what, const std::string& name) {
                               "not begin with '.' or '-'");
 }
 
-/// Null where it is not set, or relative: that would be another folder for each program, and XDG's specification has
+/// Null if it is not set, or relative: that would be another folder for each program, and XDG's specification has
 /// it ignored.
 const char* told_runtime() {
   const char* told = std::getenv("XDG_RUNTIME_DIR");

@@ -13,7 +13,7 @@ constexpr const char* kAsRead = "LIMB_RING_AS_READ";
 
 /// Keeps a text in a folder, in place of one of that path. @throw std::runtime_error
 void keep_as_read(const std::string& folder, const std::string& path, const std::string& text);
-/// What is kept of that path; nothing where nothing is, or the environment names no folder.
+/// What is kept of that path; nothing if nothing is, or the environment names no folder.
 std::optional<std::string> as_read(const std::string& path);
 
 }  // namespace limb_ring::config

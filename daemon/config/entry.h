@@ -24,7 +24,7 @@ struct Document {
   UrdfJoints urdf;                            ///< what it names as `urdf`
   std::map<std::string, std::size_t> hosts;   ///< every host's place in the file, by name
   std::vector<ReadFile> files;                ///< that were read beside it
-  /// Not all nodes, or hosts, could be read: who refers to one that is not there is not to blame.
+  /// Not all nodes, or hosts, could be read: a reference to a missing one is not an error then.
   bool nodes_unsure = false, hosts_unsure = false;
   bool urdf_unsure = false;  ///< it could not be read
   /// What the URDF does not say of joints that it is asked for: their names, by what it is.
@@ -47,13 +47,13 @@ class Entry {
   bool is_list() const { return node_.IsSequence(); }
 
   /// A single value, as text. `allowed` says what would be right, in this and what follows.
-  /// @throw ConfigError where it is a list, a map or nothing.
+  /// @throw ConfigError if it is a list, a map or nothing.
   std::string text(const std::string& allowed) const;
   /// The elements of a list, of at most `most`.
-  /// @throw ConfigError where it is no list, or longer.
+  /// @throw ConfigError if it is not a list, or longer.
   std::vector<Entry> items(const std::string& allowed, std::size_t most = 1000000) const;
   /// The entries of a map, in the file's order.
-  /// @throw ConfigError where it is no map, a key is no single value, or one comes twice.
+  /// @throw ConfigError if it is not a map, a key is not a single value, or one comes twice.
   std::vector<Member> members(const std::string& allowed) const;
   /// The entry of that name in a map.
   std::optional<Entry> find(const std::string& key) const;
@@ -85,12 +85,12 @@ struct Member {
   std::string name;
 };
 
-/// The text of a configuration, as_read() where that is kept. @throw ConfigError where it is no regular file, not
+/// The text of a configuration, as_read() where that is kept. @throw ConfigError if it is not a regular file, not
 /// readable, or above 1 MiB
 std::string read_file(const std::string& path);
 
 /// @param name stands for the file in errors
-/// @throw ConfigError where it is not YAML, not one document, or beyond YamlLimits
+/// @throw ConfigError if it is not YAML, not one document, or beyond YamlLimits
 YAML::Node parse_yaml(const std::string& text, const std::string& name);
 
 /// "FILE:LINE:COLUMN", counted from 1; FILE alone where the place is not known.
@@ -174,11 +174,11 @@ std::string allowed(const TimeRange& range);
 extern const char* const kAllowedRates;
 extern const char* const kAllowedCommands;
 
-/// Each reads one value. @throw ConfigError where it is not what is allowed.
+/// Each reads one value. @throw ConfigError if it is not what is allowed.
 std::int64_t read_integer(const Entry& entry, const IntegerRange& range);
 double read_real(const Entry& entry, const RealRange& range);
 std::chrono::nanoseconds read_time(const Entry& entry, const TimeRange& range);
-/// bit/s; 0 where `unlimited`.
+/// bit/s; 0 if `unlimited`.
 std::uint64_t read_rate(const Entry& entry);
 bool read_flag(const Entry& entry);
 /// @return index into `words`.

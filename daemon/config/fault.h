@@ -63,8 +63,8 @@ enum Key : unsigned {
   kSeed = 1u << 9
 };
 
-/// What a fault does to a CPU, whether that is a process or a model of one. Whoever does it has a case for each and no
-/// `default:`, which would hide that one is missing.
+/// What a fault does to a CPU, be it a process or a model of one. Code that carries it out has a case for each and no
+/// `default:`, which would hide a missing one.
 enum class ToCpu : std::uint8_t {
   nothing,      ///< a fault of a line or node
   stop,         ///< it neither reads nor sends
@@ -140,7 +140,7 @@ inline const Word& word_of(Name name) { return kWords[static_cast<std::size_t>(n
 
 /// What a node is, by faults of it.
 enum class Node : std::uint8_t { runs, frozen, dead };
-/// What a fault of nodes makes of one; nothing where it cannot be done there: in a scenario it then changes nothing,
+/// What a fault of nodes makes of one; nothing if it cannot be done there: in a scenario it then changes nothing,
 /// and else it is refused. A power cycle in a scenario is a kill of all its nodes, then a start.
 std::optional<Node> after(Name fault, Node node);
 /// It hits the process of a CPU, so there has to be one.
@@ -150,7 +150,7 @@ inline bool hits_process(Name fault) {
 
 /// All words, in the order of Name.
 std::vector<std::string> words();
-/// null where there is no such fault.
+/// null if there is no such fault.
 const Word* find_word(const std::string& word);
 
 using std::chrono::nanoseconds;

@@ -37,7 +37,7 @@ constexpr const char* kRateRule = "a rate such as 10Mbit/s, 1kbit/s to 100Gbit/s
 struct Row {
   KeyWord key;
   bool (*read)(Fault&, const std::string&);
-  std::string (*write)(const Fault&);  ///< empty where it has its default
+  std::string (*write)(const Fault&);  ///< empty if it has its default
 };
 
 template <std::uint64_t Fault::*member>
@@ -132,7 +132,7 @@ bool is_node(const std::string& name, const RingNodes& nodes) {
                      [&](const NamedNode& node) { return node.name == name || node.number == name; });
 }
 
-/// The first key of the fault that takes such a value; empty where none does.
+/// The first key of the fault that takes such a value; empty if none does.
 std::string key_taking(const std::string& value, const Word& word) {
   Fault scratch;
   for (const Row& row : kRows)

@@ -39,7 +39,7 @@ struct BareWord : ParseError {
   BareWord(std::string bare, std::string meant, const std::string& right)
       : ParseError('\'' + bare + "' is a word too many", right), word(std::move(bare)), key(std::move(meant)) {}
   std::string word;
-  std::string key;  ///< a key of the fault that takes such a value; empty where none does
+  std::string key;  ///< a key of the fault that takes such a value; empty if none does
 };
 
 /// A parameter that the fault needs is missing, such as how often a line flaps.
@@ -72,7 +72,7 @@ struct KeyWord {
   const char* meaning;
 };
 std::vector<KeyWord> keys_of(const Word& word);
-/// Those of which one has to be given; empty where the fault needs none.
+/// The parameters of which one must be given; empty if the fault needs none.
 std::vector<KeyWord> needed_keys_of(const Word& word);
 /// One `key=value` into the fault. @throw ParseError
 void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes);

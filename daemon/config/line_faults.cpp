@@ -93,7 +93,7 @@ bool LineFaults::cut(Time now) {
   return told_cut_;
 }
 
-/// The time of a byte where the data rate is limited; 0 where it is not.
+/// The time of a byte where the data rate is limited; 0 if it is not.
 Duration LineFaults::pace(Time now) const {
   constexpr std::uint64_t kBitPicoseconds = 8'000'000'000'000;
   Duration slowest{0};

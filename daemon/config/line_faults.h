@@ -119,7 +119,7 @@ class LineFaults {
 
   /// @pre the fault is of a line. @return 0 for heal, which ends all others
   Id begin(const Fault& fault, Time now);
-  /// What it held back goes on. @return false where there is no such fault (any more)
+  /// What it held back goes on. @return false if there is no such fault (any more)
   bool remove(Id id);
   void clear() { active_.clear(); }
 

@@ -9,8 +9,8 @@
 namespace limb_ring::config {
 
 /// Reads the YAML file of one ring. What is not in it has its default (config/OPTIONS.md).
-/// @throw ConfigError where the file is not readable, above 1 MiB or not YAML; else for every entry that is unknown or
-///        of a wrong type or range, a line each; and where none is, for all entries that contradict each other.
+/// @throw ConfigError if the file is not readable, above 1 MiB or not YAML; else for every entry that is unknown or
+///        of a wrong type or range, a line each; and if none is, for all entries that contradict each other.
 RingConfig load_ring(const std::string& path);
 
 /// The same for YAML in memory. `name` stands for the file in errors.
@@ -25,7 +25,7 @@ void check_ring(const Entry& file, const RingConfig& ring);
 void check_hosts(const Entry& file, const RingConfig& ring);
 
 /// The first node whose line comes from another host and is neither keyed nor meant to be insecure, in words; empty
-/// where there is none. Also for transports that the command line has changed.
+/// if there is none. Also for transports that the command line has changed.
 std::string unkeyed_line(const RingConfig& ring);
 extern const char* const kKeyOrInsecure;
 

@@ -18,7 +18,7 @@ namespace limb_ring::status {
 enum class In : std::uint8_t {
   always,  ///< without it, it is no such answer
   told,    ///< always where a daemon answers; who reads keeps the initial value where it is missing
-  null,    ///< null where it is empty
+  null,    ///< null if it is empty
   some     ///< left out where it is empty, or false
 };
 
@@ -250,7 +250,7 @@ struct Supervisor {
 struct NodeRow {
   LIMB_RING_MEMBERS(LIMB_RING_NODE_ROW)
 
-  /// 0 where it has no counter of that name.
+  /// 0 if it has no counter of that name.
   std::uint64_t counter(const Text& which) const {
     const auto found = counters.find(which);
     return found == counters.end() ? 0 : found->second;

@@ -64,7 +64,7 @@ Option<T> real_option(const char* name, double T::*member, RealRange range, cons
           [=](const Entry& entry, T& object) { object.*member = read_real(entry, range); }};
 }
 
-/// Written with a unit; kept in the member's own (V), of which it must be a whole number.
+/// Written with a unit; stored in the unit of the member (V), and must be a whole number of it.
 template <typename T, typename V>
 Option<T> time_option(const char* name, V T::*member, std::chrono::nanoseconds least, std::chrono::nanoseconds most,
                       const char* meaning) {

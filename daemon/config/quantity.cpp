@@ -28,7 +28,7 @@ struct Scaled {
   std::string unit;  ///< what stands behind it, without the blank between
 };
 
-/// End of an exponent that begins at `at`; `at` where there is none, since a unit may begin with an e.
+/// End of an exponent that begins at `at`; `at` if there is none, since a unit may begin with an e.
 std::size_t end_of_exponent(const std::string& text, std::size_t at) {
   if (at >= text.size() || (text[at] != 'e' && text[at] != 'E')) return at;
   std::size_t end = at + 1;

@@ -12,7 +12,7 @@
 namespace limb_ring::config {
 
 /// Numbers as people write them (ours), in a configuration and on a command line: "100ms", "10Mbit/s", "1e9".
-/// One blank may part number and unit. Nothing is returned where the text is no such quantity,
+/// One blank may separate number and unit. Returns nothing if the text is not such a quantity,
 /// or beyond 64 bits.
 
 /// Units: ns, us (or µs), ms, s. Rounded to whole nanoseconds.
@@ -33,10 +33,10 @@ std::string format_real(double value);
 /// A whole number in decimal digits with optional sign; without one also 1e6, 64k, 1M, 2G (powers of 1000).
 std::optional<std::int64_t> parse_integer(const std::string& text);
 
-/// ASCII alone, whatever the locale says.
+/// Only ASCII, whatever the locale says.
 inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
-/// Digits alone, 1 to `most` of them: up to 9, std::stoi() takes it.
+/// Only digits, 1 to `most` of them: with up to 9, std::stoi() can read it.
 bool are_digits(const std::string& text, std::size_t most = std::string::npos);
 
 /// UTF-8 without control characters: can be printed, and written into JSON and XML as it is.
@@ -96,10 +96,11 @@ class Problems {
   std::vector<std::string> lines_;
 };
 
-/// IPv4 and IPv6 addresses in numbers, however they are written: ::1 is 0:0:0:0:0:0:0:1, too. False of what is none.
+/// Whether both are the same numeric IPv4 or IPv6 address, however written: ::1 is also 0:0:0:0:0:0:0:1. False if one
+/// is not an address.
 
 bool is_address(const std::string& text);
-/// 127.0.0.0/8 and ::1: reached from the same machine alone.
+/// 127.0.0.0/8 and ::1: can be reached only from the same machine.
 bool is_loopback(const std::string& text);
 /// 0.0.0.0 and ::, which stand for every interface.
 bool is_any_interface(const std::string& text);

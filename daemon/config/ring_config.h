@@ -46,7 +46,7 @@ struct CpuConfig {
   enum class Kind { none, child, attached } kind = Kind::none;
   std::vector<std::string> command;  ///< program (looked for beside ringd, then on PATH), arguments
   bool restart_on_exit = true;       ///< child: start it again when it ends by itself
-  /// Silent for so many alive periods, it counts as hung. (ours)
+  /// A CPU that is silent for this many alive periods counts as hung. (ours)
   static constexpr int kSilentPeriods = 3;
   milliseconds alive_period{0};  ///< it says something at least so often; 0: it is not watched
   nanoseconds turnaround{0};     ///< on a virtual ring: from a turn to what it sends in it
@@ -92,13 +92,13 @@ struct ExpectedConfig {
   double loss = 0;       ///< probability that a datagram does not arrive
 };
 
-/// The link INTO a node; whoever is upstream of it on the same host, connects to it so. From other hosts it is UDP, at
+/// The link INTO a node: how its upstream neighbour on the same host connects to it. From other hosts it is UDP, at
 /// the same address and port.
 struct LinkConfig {
   enum class Transport { unix_stream, shm, udp } transport = Transport::shm;
   std::string address = "127.0.0.1";  ///< udp: the node listens there, and only there
   /// udp: `links.port` + id where the node's own is not given; loading fills it in. In
-  /// RingConfig::links: the port of id 0, of the ring's name where not given.
+  /// RingConfig::links: the port of id 0, of the ring's name if not given.
   std::uint16_t port = 0;
   /// udp: where the node listens on the second line, against the ring. (ours)
   std::uint16_t second_port() const { return static_cast<std::uint16_t>(port + 256); }
@@ -123,8 +123,8 @@ struct HostConfig {
 struct NodeConfig {
   std::uint8_t id = 0;
   std::string name;
-  std::size_t host = 0;  ///< its place in RingConfig::hosts; 0 also where no hosts are given
-  /// Whose network controller it is. foreign: somebody else's, which nobody here starts.
+  std::size_t host = 0;  ///< its place in RingConfig::hosts; 0 also if no hosts are given
+  /// Whose network controller it is. foreign: somebody else's, which limb_ring does not start.
   enum class Controller { ringd, foreign } controller = Controller::ringd;
   std::string library;  ///< foreign: its code on a virtual ring, a shared library, absolute; empty: none
   CpuConfig cpu;
@@ -195,7 +195,7 @@ struct TopicConfig {
   nanoseconds deadline{0};  ///< for plans: a message that is delivered later is late; 0: its period
 };
 
-/// A stream of which nothing else in the file tells: for plans and simulation. The daemons do not
+/// A stream that no other entry of the file describes: for plans and simulation. The daemons do not
 /// read it. (ours)
 struct TrafficConfig {
   std::string name;
@@ -255,7 +255,7 @@ struct ReadFile {
 /// with default, range and unit.
 struct RingConfig {
   std::string ring;
-  std::string path;               ///< file it was read from; empty where made by plain_ring()
+  std::string path;               ///< file it was read from; empty if made by plain_ring()
   std::vector<ReadFile> files;    ///< that it was read from: its own, and a URDF
   std::vector<HostConfig> hosts;  ///< in the file's order; empty: all nodes are on one machine, or nobody has said
   std::vector<NodeConfig> nodes;  ///< in ring order, which is the file's order
@@ -284,7 +284,7 @@ struct RingConfig {
   /// Of a node; of one that is not configured, its id in digits.
   std::string name_of(std::uint8_t id) const;
   const HostConfig* find_host(const std::string& name) const;
-  /// Of a node; nullptr where no hosts are given.
+  /// Of a node; nullptr if no hosts are given.
   const HostConfig* host_of(const NodeConfig& node) const;
 };
 
@@ -296,7 +296,7 @@ const std::vector<std::string>& transport_words();
 /// What a line is, in a sentence: "shared memory", "a UNIX stream", "UDP".
 const char* words_of(LinkConfig::Transport transport);
 
-/// UDP comes to this node from beyond its host, also where only a bypass would bring it.
+/// UDP comes to this node from beyond its host, also if only a bypass would bring it.
 bool hears_other_hosts(const RingConfig& ring, const NodeConfig& node);
 
 /// The first node in ring order whose CPU is attached (the bridge's, usually the body), else the
@@ -307,10 +307,10 @@ const NodeConfig& body_of(const RingConfig& ring);
 /// The node that watches the CPUs of the others: the one configured, else the body.
 const NodeConfig& supervisor_of(const RingConfig& ring);
 
-/// The first of a node's pins that is wired to that; nothing where none is.
+/// The first of a node's pins that is wired to that; nothing if none is.
 std::optional<std::uint8_t> first_pin(const NodeConfig& node, PinConfig::Action action);
 
-/// True where some node has pin `factor` wired to reset: a broadcast of it needs to be forced.
+/// True if some node has pin `factor` wired to reset: a broadcast of it needs to be forced.
 bool ring_has_reset_on(const RingConfig& ring, unsigned factor);
 
 /// What the names in a configuration may look like (ours), each with its rule in words.
@@ -337,18 +337,18 @@ bool is_joint_name(const std::string& name);
 bool is_sensor_name(const std::string& name);
 bool is_topic_name(const std::string& name);
 
-/// The one of `candidates` that `word` was probably meant to be; empty where none is close.
+/// The one of `candidates` that `word` was probably meant to be; empty if none is close.
 std::string closest(const std::string& word, const std::vector<std::string>& candidates);
 
 /// "a, b, c"
 std::string join(const std::vector<std::string>& words, const std::string& between = ", ");
 
 /// A ring without a file: ids 0 to nodes-1, names node0 and so on, no CPUs, all else default.
-/// @throw ConfigError where the name is no ring name or `nodes` is not 2 to 255.
+/// @throw ConfigError if the name is not a ring name or `nodes` is not 2 to 255.
 RingConfig plain_ring(const std::string& ring, unsigned nodes);
 
 /// Makes every link of the ring `unix`, `shm` or `udp`, whatever its file says (the command line's transport).
-/// @throw ConfigError for any other word, or where a line would come from beyond its host without a key
+/// @throw ConfigError for any other word, or if a line would come from beyond its host without a key
 void apply_transport(RingConfig& ring, const std::string& transport);
 
 /// All nodes are on this machine, whatever hosts the file gives: a robot's ring tried out at a desk.
@@ -356,7 +356,7 @@ void apply_one_host(RingConfig& ring);
 
 /// Gives the ring another name (a second ring of one file on a host). UDP ports that came from the
 /// old name move to the new one's.
-/// @throw ConfigError where it is no ring name.
+/// @throw ConfigError if it is not a ring name.
 void rename_ring(RingConfig& ring, const std::string& name);
 
 /// Where a ring's UDP ports begin unless its file says otherwise: id 0 has this one, id n the
@@ -373,7 +373,7 @@ struct RecorderSaves {
 
 /// The entries `recorder.save`, `folder` and `keep` of a ring's file.
 /// @param records whether its nodes record
-/// @throw ConfigError, also where something is to be saved and nothing is recorded
+/// @throw ConfigError, also if something is to be saved and nothing is recorded
 RecorderSaves load_recorder_saves(const std::string& path, bool records);
 
 }  // namespace limb_ring::config

@@ -160,7 +160,7 @@ void read_cpu(const Entry& entry, NodeConfig& node) {
 
 const char* unit_of(const JointConfig& joint) { return joint.slides() ? " m" : " rad"; }
 
-/// Where the ring's file does not say where it starts, it starts as near to 0 as it may.
+/// If the ring's file does not say where it starts, it starts as near to 0 as it may.
 void complete_joint(const Entry& entry, JointConfig& joint) {
   if (entry.document().urdf_unsure) return;
   Problems problems;
@@ -185,7 +185,7 @@ void complete_sensor(const Entry& entry, SensorConfig& sensor) {
                                 "the topic of whoever measures, such as imu/data");
 }
 
-/// @return absolute; refused where there is no such file
+/// @return absolute; refused if there is no such file
 std::string read_file_beside(const Entry& entry, const char* rule) {
   const auto folder = std::filesystem::absolute(entry.document().name).parent_path();
   const std::string path = (folder / entry.text(rule)).lexically_normal().string();

@@ -47,7 +47,7 @@ struct UrdfJoints {
 UrdfJoints parse_urdf(const std::string& text, const std::string& path, bool whole = false);
 
 /// `text` as it may stand in XML, in an attribute or between tags. Whatever it holds: each byte that XML does not
-/// allow, or that is no UTF-8, is U+FFFD.
+/// allow, or that is not UTF-8, is U+FFFD.
 std::string xml_text(const std::string& text);
 
 }  // namespace limb_ring::config

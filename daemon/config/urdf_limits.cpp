@@ -79,7 +79,7 @@ std::optional<double> number_at(const UrdfJoint& there, const std::string& limit
   return found == there.limit.end() ? std::nullopt : parse_real(found->second);
 }
 
-/// What the URDF gives, cut to what packets carry; nothing where it gives none. Many robots are published with an
+/// What the URDF gives, cut to what packets carry; nothing if it gives none. Many robots are published with an
 /// effort or a velocity of 0, or none: they were made for simulators that do not read these. (ours)
 std::optional<double> given(const UrdfJoint& there, const std::string& limit) {
   auto value = number_at(there, limit);

@@ -117,7 +117,7 @@ void Watchdog::speaks(Entry& cpu, core::Time now) {
   if (cpu.tries > 0 && now - cpu.since >= settings_.grace + wait_after(cpu.tries)) cpu.tries = 0;
 }
 
-// A lower boot number is no cure: the whole daemon of that node was restarted.
+// A lower boot number is not a cure: the whole daemon of that node was restarted.
 void Watchdog::booted(Entry& cpu, std::uint32_t boots, core::Time now) {
   const bool cured = cpu.under_reset && boots > *cpu.boots;
   if (cured) ++cpu.confirmed;

@@ -175,7 +175,7 @@ struct ResetReport {
 
 /// One reset under way: an INTP to the reset pin, then a higher boot number in the beacons of its node: of its CPU, or
 /// of the node itself where CPU and network controller are one firmware. (ours, protocol.md section 5.5) An INTP that
-/// does not come home, in an open chain or lost, may have arrived all the same: where that node can still be heard its
+/// does not come home, in an open chain or lost, may have arrived all the same: if that node can still be heard its
 /// boot number tells.
 ///
 /// No IO and no clock; the owner calls timed_out() when its time is over.

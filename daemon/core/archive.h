@@ -176,7 +176,7 @@ class StateWriter : public Archive<StateWriter> {
   std::size_t left() const { return static_cast<std::size_t>(end_ - next_); }
   /// Where the next byte goes.
   const std::uint8_t* next() const { return next_; }
-  /// `size` bytes for the caller to write; null where there is no room for them.
+  /// `size` bytes for the caller to write; null if there is no room for them.
   std::uint8_t* space(std::size_t size) {
     failed_ = failed_ || size > left();
     if (failed_) return nullptr;

@@ -55,7 +55,7 @@ void Blocks::receive(Line on, const wire::Slice& slice, Time now) {
   const Relay::Effect effect = relay_.receive(slice, now);
   if (effect.own) own_changes();
   if (effect.on_line) return settle(now);  // the usual case on a line without a data rate
-  // Where the line takes time, everything that comes in at one instant competes for it (run());
+  // If the line takes time, everything that comes in at one instant competes for it (run());
   // where it takes none, what has come in goes on at once, so that a batch never fills the buffer.
   settle(now);
   if (settings_.byte_time_out.count() == 0) put_onto_line(now);
@@ -96,7 +96,7 @@ Time Blocks::next_deadline(Time now) const {
 }
 
 Time Blocks::find_own_deadline(Time now) const {
-  // A packet that the CPU does not read is no reason to wake up.
+  // A packet that the CPU does not read is not a reason to wake up.
   const Time received = receive_.is_due(now) ? kNever : receive_.next();
   const Time node = std::min(transmit_.deadline(), membership_.deadline());
   return std::min(node, std::min(events_.next(), received));

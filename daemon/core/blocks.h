@@ -61,9 +61,9 @@ class Blocks {
   void receive(Line on, const wire::Slice& slice, Time now);
   /// The node takes nothing from that packet, which has a good CRC, and does not look at its data.
   bool only_passes(const wire::PacketFields& packet) const { return !receive_.heeds(packet); }
-  /// Slices for downstream; whoever writes them clears it.
+  /// Slices for downstream; the caller writes and clears them.
   wire::SliceWriter& line() { return line_; }
-  /// From now on `tap` sees the packets; null: nobody does.
+  /// From now on `tap` sees the packets; null: no tap.
   void set_tap(Tap* tap) { tap_ = tap; }
   /// Shows the tap what is in line(), which leaves on that one.
   void show_given_out(Line on, Time now) {
@@ -94,7 +94,7 @@ class Blocks {
 
   /// @name The CPU's state
   ///@{
-  /// Next packet for the CPU, by priority. @return false where none is due
+  /// Next packet for the CPU, by priority. @return false if none is due
   bool take(Time now, ReceivedPacket& out) {
     own_changes();
     return receive_.take(now, out);

@@ -37,7 +37,7 @@ struct SendEnded {
   std::uint32_t token = 0;
   Outcome outcome = Outcome::rejected;
   Reject reject = Reject::none;
-  Duration round_trip{0};  ///< of the try that came home; 0 where none did
+  Duration round_trip{0};  ///< of the try that came home; 0 if none did
   unsigned tries = 0;
   bool interrupt = false;
   NodeId destination{0};
@@ -118,7 +118,7 @@ class EventQueue {
     std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.at < b.at; });
     put<StateChanged>(at, std::move(change));
   }
-  /// @return false where none is due
+  /// @return false if none is due
   bool take(Time now, Event& out) {
     if (events_.empty() || events_.front().at > now) return false;
     out = std::move(events_.front());

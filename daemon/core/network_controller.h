@@ -50,7 +50,7 @@ class NetworkController final {
 
   /// @name The lines into and out of this node
   ///@{
-  /// Framed slices for that line. Whoever asks for them writes and clears them.
+  /// Framed slices for that line. The caller writes and clears them.
   wire::SliceWriter& output(Line line) {
     wire::SliceWriter& framed = outputs_[index(line)];
     if (journal_ != nullptr && !framed.empty()) journal_->goes_out(line, framed.view());
@@ -75,9 +75,9 @@ class NetworkController final {
   Time next_deadline(Time now) const;
   /// take_event() or take() has something.
   bool has_output(Time now) const { return blocks_.has_output(now); }
-  /// @return false where none is due
+  /// @return false if none is due
   bool take_event(Time now, Event& out);
-  /// Next packet for the CPU, by priority. @return false where none is due
+  /// Next packet for the CPU, by priority. @return false if none is due
   bool take(Time now, ReceivedPacket& out);
   ///@}
 

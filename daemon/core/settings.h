@@ -85,7 +85,7 @@ struct Settings {
     return nodes() *
            (byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kInterruptPacketSize) + relay_delay);
   }
-  /// Least time between two packets of a kind in an open chain, where no return says when.
+  /// Least time between two packets of a kind in an open chain, if no return says when.
   Duration open_chain_pace() const { return std::max(worst_lap(), unconfirmed_pace); }
   Duration open_chain_interrupt_pace() const {
     return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kInterruptPacketSize) + relay_delay),

@@ -24,7 +24,7 @@ constexpr unsigned in(State state) {
   return 1u << static_cast<unsigned>(state);
 }
 
-/// The row for an input in a state; null where it is not heeded.
+/// The row for an input in a state; null if it is not heeded.
 template <class Row, std::size_t kRows, class Input, class State>
 const Row* find_row(const Row (&table)[kRows], Input input, State state) {
   for (const Row& row : table)

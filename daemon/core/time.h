@@ -27,7 +27,7 @@ namespace limb_ring::core {
 /// may stay on for years, and 64 bits would hold only 106 days of them. (ours)
 using Duration = std::chrono::duration<Int128, std::pico>;
 
-/// The core has no clock of its own: whoever drives it says what time it is.
+/// The core has no clock of its own: its driver passes the time in.
 struct RingClock {
   using duration = Duration;
   using rep = Duration::rep;

@@ -27,10 +27,10 @@ class Admission {
   Admission(Identity self, std::vector<std::uint8_t> order, std::vector<std::string> names = {});
 
   /// @param present the upstream neighbour we have and still hear, if any
-  /// @return Refusal::none where the sender of `connect` may come in
+  /// @return Refusal::none if the sender of `connect` may come in
   Refusal judge(const LinkHeader& connect, std::optional<std::uint8_t> present) const;
   /// The same for a node that has also told what it expects of our ring file (`theirs`).
-  /// @return the `refuse` header to be answered; nothing where it may come in
+  /// @return the `refuse` header to be answered; nothing if it may come in
   std::optional<LinkHeader> judge(const LinkHeader& connect, const Agreement& theirs,
                                   std::optional<std::uint8_t> present) const;
 

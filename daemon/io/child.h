@@ -24,7 +24,7 @@ class Child {
   Child(Spawned process, std::string name);
 
   pid_t pid() const { return process_.pid; }
-  /// Notes whether it has ended. @return true where it has since the last call
+  /// Notes whether it has ended. @return true if it has since the last call
   bool reap();
   /// How it ended, as far as reap() knows; empty: it runs.
   const std::optional<ExitStatus>& ended() const { return ended_; }
@@ -64,11 +64,11 @@ class ChildProcess {
   /// Started, and its end not yet reported.
   bool running() const { return on_exit_ != nullptr; }
   pid_t pid() const { return child_.pid; }
-  /// Signals the whole group; nothing happens where there is none.
+  /// Signals the whole group; nothing happens if there is none.
   void signal_group(int number) const;
   /// Kills the group, and reaps the child if it goes within a second. Nothing is reported.
   void kill();
-  /// True where `pid` is of the child's group.
+  /// True if `pid` is of the child's group.
   bool owns(pid_t pid) const;
 
  private:

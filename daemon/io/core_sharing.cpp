@@ -46,7 +46,7 @@ void CoreSharing::after_turn(YieldTimes::Time now, bool any) {
   if (std::exchange(have_run_, false) && any) times_.was_useful(now);
 }
 
-// Where it is refused, the daemon stays an ordinary one, and is interrupted by those it wakes.
+// If it is refused, the daemon stays an ordinary one, and is interrupted by those it wakes.
 void CoreSharing::be_batch(bool batch) {
   if (!ours_ || batch == batch_) return;
   batch_ = batch;

@@ -14,11 +14,11 @@ class YieldTimes {
 
   /// All daemons of a host sleep in the first kSleepFor of each kPeriod of its clock.
   static constexpr Duration kPeriod = std::chrono::milliseconds(100), kSleepFor = std::chrono::milliseconds(1);
-  /// Where there has been nothing to do afterwards for so long, it is enough for this period.
+  /// If there has been nothing to do afterwards for so long, it is enough for this period.
   static constexpr Duration kPatience = std::chrono::milliseconds(8);
   /// All daemons of a ring have had their turn by then; a program that computes keeps the core for longer.
   static constexpr Duration kLongestRound = std::chrono::milliseconds(1);
-  /// Where something computes, nobody is let run for so long; twice as long each time it is still there.
+  /// If something computes, nobody is let run for so long; twice as long each time it is still there.
   static constexpr Duration kFirstPause = std::chrono::milliseconds(500), kLongestPause = std::chrono::seconds(16);
 
   /// Whether the core is taken to be the ring's alone.
@@ -42,15 +42,15 @@ class YieldTimes {
 ///
 /// One that hands on a packet and sleeps is put to sleep and woken at every lap, and the one it wakes interrupts it
 /// first: three switches a hop instead of one. So while nothing else computes there, a daemon is under SCHED_BATCH,
-/// which interrupts nobody. Where it may run on one core only, it does not sleep either but lets the others run
+/// which interrupts nobody. If it may run on one core only, it does not sleep either but lets the others run
 /// (sched_yield): when it is its turn again, what they have sent is there. The kernel then gives them their turns in an
 /// order that stays. One that sleeps, and is woken by the one before it in the ring, comes right behind that: so all
-/// sleep for a moment now and then, and the order becomes the ring's. Where it is not, packets wait at some hops until
+/// sleep for a moment now and then, and the order becomes the ring's. If it is not, packets wait at some hops until
 /// all have had their turn. While packets are few, there is nothing to do after that, and it is given up until the next
 /// period. With several cores to choose from, to sleep is best: the kernel looks for a free one when it wakes a
 /// process.
 ///
-/// Where something else computes on that core, all this would give it a slice at every hop. Letting others run takes
+/// If something else computes on that core, all this would give it a slice at every hop. Letting others run takes
 /// too long then; so that is seen, and the daemon is an ordinary one for some time. A process that was not under
 /// SCHED_OTHER keeps its policy.
 class CoreSharing {

@@ -58,7 +58,7 @@ void DatagramInput::take_slices(const LinkHeader& header, wire::ByteView bytes, 
   }
   if (closed_) return;
   const SequenceCheck::Arrival arrival = sequence_.check(header.sequence);
-  if (!arrival.fresh) {  // no sign of life: where nothing else comes, one forged number has put all of them in the past
+  if (!arrival.fresh) {  // no sign of life: if nothing else comes, one forged number has put all of them in the past
     ++report_.counters.datagrams_duplicate;
     return;
   }

@@ -49,7 +49,7 @@ class DatagramInput {
   void take(wire::ByteView datagram, const UdpAddress& sender, Time now);
   /// No more datagrams are there for now.
   void end_batch();
-  /// To be called every `timing.idle`. @return true where nothing has come for `timing.silence`: take() what is there,
+  /// To be called every `timing.idle`. @return true if nothing has come for `timing.silence`: take() what is there,
   /// then call lose_if_silent()
   bool tick(Time now);
   void lose_if_silent();
@@ -88,7 +88,7 @@ class DatagramInput {
   bool is_unsealed(const LinkHeader& header, wire::ByteView& datagram);
   void hint(const LinkHeader& connect, Refusal refusal, const UdpAddress& sender);
   void accept(const Session& session, std::uint8_t node);
-  /// @return false where it has become too late; the sender has been told then
+  /// @return false if it has become too late; the sender has been told then
   bool take_up(Session offer, const LinkHeader& header, Time now);
   void count_stale(const LinkHeader& header);
   void on_stale(const LinkHeader& header, const UdpAddress& sender);

@@ -12,7 +12,7 @@
 namespace limb_ring::process {
 
 /// Calls work(i) for each i below `count`, at most `most` of them at the same time; returns when all have been done.
-/// Where the system has no threads for so many, fewer are done at the same time. What `work` throws first is thrown at
+/// If the system has no threads for so many, fewer are done at the same time. What `work` throws first is thrown at
 /// the end, and what was not begun by then is not done.
 template <class Work>
 void in_parallel(std::size_t count, std::size_t most, Work work) {

@@ -64,7 +64,7 @@ class DelayedInput : public InputHandler {
  private:
   struct Event {
     enum class Kind : std::uint8_t { gap, batch_end, other } kind;
-    std::size_t size;                            ///< bytes of its slice, framed; 0 where it is none
+    std::size_t size;                            ///< bytes of its slice, framed; 0 if it is none
     std::function<void(InputHandler&)> deliver;  ///< not of a gap
     Time due{};
   };
@@ -137,7 +137,7 @@ class InputLine {
  public:
   virtual ~InputLine() = default;
   virtual void close() = 0;
-  /// Its socket's file is where it was made; also where it has none.
+  /// Its socket's file is where it was made; also if it has none.
   virtual bool is_in_place() const { return true; }
   /// Makes its socket's file again, where it has one and that was removed. What is connected stays so.
   /// @throw std::runtime_error
@@ -169,7 +169,7 @@ class Upstream {
 /// that this end lives. One thread, one io_context. Not to be destroyed from within a call of its handler.
 class Input {
  public:
-  /// @throw std::runtime_error where it cannot listen: names the endpoint, the cause, the cure
+  /// @throw std::runtime_error if it cannot listen: names the endpoint, the cause, the cure
   Input(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler);
   ~Input() { close(); }
   Input(const Input&) = delete;
@@ -190,7 +190,7 @@ class Input {
   const InputCounters& counters() const { return report_.counters; }
   /// Nodes that were refused for a reason that asking again does not mend.
   const Refusals& refusals() const { return report_.refusals; }
-  /// Why the last unknown peer was turned away; empty where there was none.
+  /// Why the last unknown peer was turned away; empty if there was none.
   const std::string& last_unknown_peer() const { return report_.last_unknown_peer; }
 
  private:
@@ -215,7 +215,7 @@ class SliceFeed {
   std::uint8_t* space() { return buffer_.data() + kept_; }
   std::size_t space_size() const { return buffer_.size() - kept_; }
 
-  /// `size` bytes were put into space(). @return false: they are no slices.
+  /// `size` bytes were put into space(). @return false: they are not slices.
   bool commit(std::size_t size, InputHandler& handler, InputCounters& counters);
   /// From within a call of the handler: hand on nothing more.
   void stop() { stopped_ = true; }
@@ -250,7 +250,7 @@ class Silence {
 };
 
 /// Whether a socket is read once more in the same turn of the event loop. Behind a packet that comes alone there is
-/// nothing, and the read would be a system call in vain for each packet; where packets pile up, reading them all keeps
+/// nothing, and the read would be a system call in vain for each packet; if packets pile up, reading them all keeps
 /// a loaded ring fast. So reading goes on while it mostly finds something; else every kTryEvery-th turn tries. (ours)
 class ReadAgain {
  public:

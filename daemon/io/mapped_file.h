@@ -8,7 +8,7 @@
 
 namespace limb_ring::process {
 
-/// A file as memory that other processes have, too. Where somebody cuts it off, an access behind its end would end this
+/// A file as memory that other processes have, too. If somebody cuts it off, an access behind its end would end this
 /// process (SIGBUS): there it finds zeros instead, and what it writes is seen by nobody else. (ours)
 class MappedFile {
  public:

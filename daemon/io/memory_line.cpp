@@ -26,7 +26,7 @@ MemoryDownstream::MemoryDownstream(boost::asio::io_context& io, std::string path
 
 bool MemoryDownstream::greet(const LinkHeader& connect) {
   memory_ = QueueMemory::make(capacity_);
-  // A limit on files (ulimit -f) stays as it is, so this is no attempt to be made again: it ends the daemon.
+  // A limit on files (ulimit -f) stays as it is, so this is not an attempt to be made again: it ends the daemon.
   if (!memory_ && errno == EFBIG)
     throw std::runtime_error(std::string("cannot make the queue of a line: ") + std::strerror(errno));
   const process::UniqueFd others_end = make_wake();

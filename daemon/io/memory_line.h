@@ -32,9 +32,9 @@ class QueueMemory {
   static constexpr std::size_t kSmallest = 1 << 12, kLargest = 1 << 20;
 
   /// A new one, sealed: its size cannot change any more. @param capacity a power of two, kSmallest to kLargest
-  /// @return nothing where the kernel gives none; errno says why
+  /// @return nothing if the kernel gives none; errno says why
   static std::optional<QueueMemory> make(std::size_t capacity);
-  /// One that another process made. @return nothing where it is none, or could still change its size
+  /// One that another process made. @return nothing if it is none, or could still change its size
   static std::optional<QueueMemory> open(process::UniqueFd memory);
 
   QueueMemory(QueueMemory&& other) noexcept;
@@ -129,14 +129,14 @@ class MemoryDownstream final : public UnixDownstream {
 };
 
 /// The end of a pipe that wakes us, opened anew: what we have been given the other node has too, and could make us wait
-/// in it. @return invalid where it is no pipe
+/// in it. @return invalid where it is not a pipe
 process::UniqueFd open_wake(const process::UniqueFd& given);
 
 /// A stream whose slices come through shared memory. Its socket says who is there, and that it has ended.
 class MemoryStream final : public UnixStream {
  public:
   /// @param wake open_wake()'s
-  /// @throw std::system_error where one of them cannot be waited for
+  /// @throw std::system_error if one of them cannot be waited for
   MemoryStream(boost::asio::io_context& io, process::UniqueFd socket, QueueMemory memory, process::UniqueFd wake,
                const LinkHeader& alive, Owner& owner, InputHandler& handler, InputCounters& counters);
 

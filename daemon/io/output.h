@@ -34,7 +34,7 @@ class Downstream {
     virtual void on_refused(std::size_t candidate, const LinkHeader& refuse) = 0;
     /// As on_refused, but the sender has not proved who it is: for people only, nothing else follows from it.
     virtual void on_hint(std::size_t candidate, const LinkHeader& refuse) = 0;
-    virtual void on_no_node(std::size_t candidate) = 0;  ///< what is there answers, but is no node of the ring
+    virtual void on_no_node(std::size_t candidate) = 0;  ///< what is there answers, but is not a node of the ring
     virtual void on_ended(std::size_t candidate, std::string_view reason) = 0;
     virtual void on_heard(std::size_t candidate) = 0;    ///< it says that it is alive
     virtual void on_drained(std::size_t candidate) = 0;  ///< nothing waits inside any more
@@ -72,7 +72,7 @@ class Downstream {
 /// section 6.9; the rules are ours). No IO: told what happened, it says whom to try next.
 ///
 /// Candidates are numbered in ring order, 0 being the configured successor and the last one
-/// ourselves. A candidate is passed over when nobody is there, or when it leaves an attempt
+/// ourselves. A candidate is skipped when nobody is there, or when it leaves an attempt
 /// unanswered for `silence`. One that is busy is alive, and nobody beyond a living node is tried:
 /// then our line is cut, and the ring is an open chain.
 class Successor {

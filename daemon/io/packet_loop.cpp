@@ -118,7 +118,7 @@ bool PacketLoop::turn(bool may_sleep) {
   return any;
 }
 
-// Others of this core have run, so most likely there is something where packets have come last. Where there is, the
+// Others of this core have run, so most likely there is something where packets have come last. If there is, the
 // kernel need not be asked; it is in every second turn, for all else.
 bool PacketLoop::look_first() {
   if (!std::exchange(asked_, false) || last_found_ == nullptr) return false;

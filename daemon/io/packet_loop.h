@@ -33,7 +33,7 @@ class Watch {
   Watch() = default;
   /// @param fd stays open longer than this watches it
   /// @param events as epoll_ctl() takes them, without EPOLLET
-  /// @throw std::system_error where the kernel takes no more of them, or `fd` cannot be waited for
+  /// @throw std::system_error if the kernel takes no more of them, or `fd` cannot be waited for
   Watch(boost::asio::io_context& io, int fd, std::uint32_t events, OnReady on_ready, Trigger trigger = Trigger::edge);
   Watch(Watch&&) noexcept = default;
   Watch& operator=(Watch&& other) noexcept;
@@ -79,7 +79,7 @@ class PacketLoop final : public boost::asio::execution_context::service {
   explicit PacketLoop(boost::asio::execution_context& io);
 
   /// Runs everything until the io_context is stopped.
-  /// @param spin looks for packets for so long before it waits: for a core that has nothing else to do. Where it is 0,
+  /// @param spin looks for packets for so long before it waits: for a core that has nothing else to do. If it is 0,
   ///        it shares its core as CoreSharing says.
   void run(std::chrono::nanoseconds spin = {});
 

@@ -12,15 +12,15 @@
 namespace limb_ring::process {
 
 /// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 't' stopped by a debugger, 'Z' ended but not
-/// waited for ... (proc(5)); 0 where there is none.
+/// waited for ... (proc(5)); 0 if there is none.
 char process_state(pid_t pid);
-/// The same, out of an open /proc/PID/stat; 0 where the process has gone since that was opened.
+/// The same, out of an open /proc/PID/stat; 0 if the process has gone since that was opened.
 char state_in(std::istream& stat);
 
-/// Name of the program that it runs, as /proc has it; empty where there is none.
+/// Name of the program that it runs, as /proc has it; empty if there is none.
 std::string program_of(pid_t pid);
 
-/// How long its threads have run or have waited for a core, all together; nothing where the kernel does not say. The
+/// How long its threads have run or have waited for a core, all together; nothing if the kernel does not say. The
 /// rest of the time they slept.
 std::optional<std::chrono::nanoseconds> time_not_asleep(pid_t pid);
 
@@ -43,12 +43,12 @@ class ProcessHandle {
   explicit ProcessHandle(pid_t pid, By by = By::pidfd);
 
   pid_t pid() const { return pid_; }
-  /// -1 where the process is held by its number. Readable once the process has ended.
+  /// -1 if the process is held by its number. Readable once the process has ended.
   int fd() const { return fd_.get(); }
-  /// True where the process has ended. Held by number, one that ended without being waited for
+  /// True if the process has ended. Held by number, one that ended without being waited for
   /// still counts as there.
   bool ended() const;
-  /// @return false where the process is gone or not ours to signal.
+  /// @return false if the process is gone or not ours to signal.
   bool signal(int number) const;
 
  private:

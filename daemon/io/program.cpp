@@ -26,7 +26,7 @@ constexpr off_t kLastWords = 4096;  // bytes
   throw std::runtime_error("cannot write " + path + ": " + why_not_opened(path));
 }
 
-/// Reserves room on the disk without writing: where the disk gets full, the program can still say why it ends.
+/// Reserves room on the disk without writing: if the disk gets full, the program can still say why it ends.
 /// Not all file systems can; on those the program has what is left. A limit on files (ulimit -f) that leaves no such
 /// room is refused everywhere: not all file systems look at it here.
 void reserve_last_words(int log, const std::string& path) {

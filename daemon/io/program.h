@@ -33,12 +33,12 @@ std::string last_lines_of(const std::string& log);
 /// A program that this process has started and waits for. It goes on when this object is gone.
 class Program : public Child {
  public:
-  /// @throw std::runtime_error where there is no such program, or its log cannot be written (disk full)
+  /// @throw std::runtime_error if there is no such program, or its log cannot be written (disk full)
   explicit Program(const ProgramRequest& request);
 
   /// All that it has written into its log.
   std::string output() const;
-  /// last_lines_of() its log; nothing where it has none.
+  /// last_lines_of() its log; nothing if it has none.
   std::string last_lines() const;
 
  private:
@@ -47,15 +47,15 @@ class Program : public Child {
 
 /// Turns this process into the program at `path`, with the same environment, pid and descriptors.
 /// @param arguments including the program's name as the first
-/// @return errno: it comes back only where the program cannot be executed
+/// @return errno: it comes back only if the program cannot be executed
 int execute(const std::string& path, std::vector<std::string> arguments);
 
-/// Folder of the running executable; empty where it cannot be known.
+/// Folder of the running executable; empty if it cannot be known.
 std::string own_folder();
 
 /// Path of a program: `name` itself where it holds a '/', else `folder`/name, else the first on
 /// PATH that can be executed. So the programs of one build find each other first.
-/// @return empty where there is none.
+/// @return empty if there is none.
 std::string find_program(const std::string& name, const std::string& folder = own_folder());
 
 /// What is to be said where find_program() finds none: the name, and where it was looked for.

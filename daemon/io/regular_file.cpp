@@ -19,7 +19,7 @@
 namespace limb_ring::process {
 namespace {
 
-/// Empty where it is a regular file, or nothing is there.
+/// Empty if it is a regular file, or nothing is there.
 std::string other_kind(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 || S_ISREG(found.st_mode)) return "";
@@ -136,7 +136,7 @@ bool is_ours(const std::string& folder) {
   return ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid();
 }
 
-/// @return nothing where somebody has taken the folder for one that was left behind
+/// @return nothing if somebody has taken the folder for one that was left behind
 std::optional<LockFile> locked(const std::string& folder) try {
   return LockFile::take(lock_in(folder));
 } catch (const std::system_error& problem) {

@@ -12,17 +12,17 @@ namespace limb_ring::process {
 /// Opens a file in a folder where anything may lie by its name: a FIFO would let us wait for its other end, a link
 /// would let us write into somebody's file, so that nothing but a regular file is opened.
 /// @param flags as of open(2), beside those that this takes care of; a new file is the user's alone
-/// @return an invalid one where there is none; errno says why
+/// @return an invalid one if there is none; errno says why
 UniqueFd open_regular(const std::string& path, int flags = O_RDONLY);
 /// Why that has just failed, in words: "it is a FIFO, not a regular file; remove it".
 std::string why_not_opened(const std::string& path);
 
-/// "/run/robot/3.lock is a FIFO, not a regular file"; empty where it is one, or nothing is there.
+/// "/run/robot/3.lock is a FIFO, not a regular file"; empty if it is one, or nothing is there.
 std::string why_not_regular(const std::string& path);
 
 /// The text of an open file, from its beginning.
 std::string text_of(const UniqueFd& file);
-/// The same of one by its path; empty where open_regular() opens none.
+/// The same of one by its path; empty if open_regular() opens none.
 std::string text_of_regular(const std::string& path);
 
 /// A file that one process at a time has locked (F_OFD_SETLK), the first line of which says who: its pid. The kernel
@@ -30,13 +30,13 @@ std::string text_of_regular(const std::string& path);
 /// taking it, so that a process that only asks is never mistaken for a holder.
 class LockFile {
  public:
-  /// @return nothing where another process has it
+  /// @return nothing if another process has it
   /// @throw std::runtime_error naming the file and what is wrong with it; std::system_error where the system says so
   static std::optional<LockFile> take(const std::string& path);
 
   /// Makes this its text. @throw std::system_error
   void write(const std::string& text) const;
-  /// False where the file was removed, so that another process can lock one of its own.
+  /// False if the file was removed, so that another process can lock one of its own.
   bool is_in_place() const;
   /// Removes the file, unless it is another's by now.
   void remove() const;
@@ -56,7 +56,7 @@ std::string lock_holder(const std::string& path);
 class TemporaryFolder {
  public:
   /// @param purpose a word in its name, for people who find one that was left behind: limb_ring_PURPOSE_XXXXXX
-  /// @throw std::system_error where none can be made
+  /// @throw std::system_error if none can be made
   explicit TemporaryFolder(const std::string& purpose);
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;

@@ -52,9 +52,9 @@ class SignalWait {
   void release() const;
   /// Held back again.
   void hold() const;
-  /// The next one; 0 where another signal was handled first.
+  /// The next one; 0 if another signal was handled first.
   int next() const;
-  /// The next one, waiting up to `timeout`; 0 where none came.
+  /// The next one, waiting up to `timeout`; 0 if none came.
   int next(std::chrono::milliseconds timeout) const;
   /// Waits up to `timeout`. @return whether one came that asks to end
   bool asked_to_end(std::chrono::milliseconds timeout) const { return asks_to_end(next(timeout)); }

@@ -48,7 +48,7 @@ Spawned spawn(const SpawnRequest& request);
 /// @pre this process has one thread
 Spawned spawn_copy(const std::function<int()>& work, int death_signal = SIGKILL);
 
-/// errno of the exec of a child that has ended; 0 where its program was started.
+/// errno of the exec of a child that has ended; 0 if its program was started.
 int exec_error(const Spawned& child);
 
 /// Opens /dev/null in the place of standard input, output and errors that this process was started without (2>&-):

@@ -37,7 +37,7 @@ class Throttle {
   std::uint64_t held_back_ = 0;
 };
 
-/// "; 41 more since the last such line": the end of a line that was let through; "" where nothing was held back.
+/// "; 41 more since the last such line": the end of a line that was let through; "" if nothing was held back.
 inline std::string and_more(std::uint64_t held_back) {
   return held_back == 0 ? "" : "; " + std::to_string(held_back) + " more since the last such line";
 }

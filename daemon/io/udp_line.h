@@ -73,7 +73,7 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
 /// The receiving end on a UDP socket: reads it, and hands on each datagram.
 class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput> {
  public:
-  /// @throw std::runtime_error where it cannot be bound, with the address and the cause
+  /// @throw std::runtime_error if it cannot be bound, with the address and the cause
   UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report,
            Upstream& upstream);
   void start();

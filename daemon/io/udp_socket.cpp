@@ -224,7 +224,7 @@ bool UdpBatch::transmit(int socket, const Run& run, Status& status) {
   ++counters_.writes;
   auto& counted = sent < 0 ? counters_.datagrams_unsent : counters_.datagrams;
   counted += run.count;
-  header_.sequence += run.count;  // also where unsent: the other end then knows of the loss
+  header_.sequence += run.count;  // also if unsent: the other end then knows of the loss
   return true;
 }
 

@@ -18,7 +18,7 @@ namespace limb_ring::link {
 using UdpSocket = boost::asio::basic_datagram_socket<boost::asio::ip::udp, boost::asio::io_context::executor_type>;
 using UdpAddress = boost::asio::ip::udp::endpoint;
 
-/// @throw std::runtime_error where the address is not numeric, saying so
+/// @throw std::runtime_error if the address is not numeric, saying so
 UdpAddress udp_address(const Endpoint& endpoint);
 
 /// Bound to exactly this endpoint, taking runs of datagrams in one read where the kernel can.

@@ -19,7 +19,7 @@ class UnixInput final : public InputLine,
                         private PendingConnection::Owner,
                         private UnixStream::Owner {
  public:
-  /// @throw std::runtime_error where it cannot listen, with the path and the cause
+  /// @throw std::runtime_error if it cannot listen, with the path and the cause
   UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report,
             Upstream& upstream);
   void start() { accept(); }

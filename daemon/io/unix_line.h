@@ -57,7 +57,7 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
   };
 
   /// @param alive what this end sends back while it lives
-  /// @throw std::system_error where the socket cannot be waited for
+  /// @throw std::system_error if the socket cannot be waited for
   UnixStream(boost::asio::io_context& io, process::UniqueFd socket, const LinkHeader& alive, Owner& owner,
              InputHandler& handler, InputCounters& counters);
   virtual ~UnixStream() = default;
@@ -109,7 +109,7 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   void close() override;
 
  protected:
-  /// Sends the first header. @return false where it cannot
+  /// Sends the first header. @return false if it cannot
   virtual bool greet(const LinkHeader& connect);
   /// Sends what there is room for. @return bytes sent; -1 and `reason` if the line has failed
   virtual std::ptrdiff_t put(wire::ByteView slices, std::string& reason);

@@ -31,7 +31,7 @@ inline UniqueFd connect_unix(const std::string& path) {
   return made;
 }
 
-/// Who is at the other end, as the kernel says (SO_PEERCRED); where it does not, no user.
+/// Who is at the other end, as the kernel says (SO_PEERCRED); if it does not, no user.
 inline ucred peer_of(int socket) {
   ucred peer{0, static_cast<uid_t>(-1), static_cast<gid_t>(-1)};
   socklen_t size = sizeof peer;

@@ -27,7 +27,7 @@ bool Arrivals::ended_before_known(std::uint8_t receiver, const Sent& sent) const
   return sent.ended && sent.ended_round <= ring_.at(receiver).known_round;
 }
 
-/// The first send of this content that was not taken yet; where its content tells it from all others, after the one
+/// The first send of this content that was not taken yet; if its content tells it from all others, after the one
 /// that the receiver took last. One that is open, was delivered, or is a broadcast that some refused, is preferred; one
 /// that ended otherwise counts only when every possible cause has been seen. As a pin is pulled at once, so does the
 /// INTP of one if it ended long ago.

@@ -161,7 +161,7 @@ RecorderFile::RecorderFile(const std::string& path, std::size_t size, core::Netw
       memory_(touched(process::MappedFile::make(path + kNew, size))),
       recorder_(controller, static_cast<std::uint8_t*>(memory_.data()), size, title, now, std::move(on_too_small)) {
   // Only now: a start that fails, as where the disk is full, leaves the recordings of both lives as they are.
-  ::rename(path.c_str(), (path + kFormer).c_str());  // fails where there is none
+  ::rename(path.c_str(), (path + kFormer).c_str());  // fails if there is none
   if (::rename((path + kNew).c_str(), path.c_str()) != 0) throw_errno("cannot make " + path);
 }
 

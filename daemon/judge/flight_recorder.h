@@ -88,16 +88,16 @@ class FlightRecorder final : public core::Journal {
 /// A flight recorder whose memory is a file: what it has written is there after the process was killed. (ours)
 class RecorderFile {
  public:
-  /// An existing file, of the node's previous life, is renamed to `path` + ".former"; where this throws, it stays.
+  /// An existing file, of the node's previous life, is renamed to `path` + ".former"; if this throws, it stays.
   /// @param size bytes of the file, at least FlightRecorder::kLeast
   /// @param on_too_small see FlightRecorder
-  /// @throw std::system_error where it cannot be made
+  /// @throw std::system_error if it cannot be made
   RecorderFile(const std::string& path, std::size_t size, core::NetworkController& controller, const Title& title,
                core::Time now, std::function<void()> on_too_small);
 
   /// See FlightRecorder.
   void set_next(core::Journal* next) { recorder_.set_next(next); }
-  /// False where it was removed from its folder, or cut off: what is recorded is lost.
+  /// False if it was removed from its folder, or cut off: what is recorded is lost.
   bool is_in_place() const;
 
  private:

@@ -122,7 +122,7 @@ Ledger::Slot& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destin
 void Ledger::try_begins(NodeId source, wire::Code code, Time now) {
   Outstanding& outstanding = sources_[source].outstanding[code.interrupt ? 1 : 0];
   const int packet = wire::Code{code.interrupt, 0, code.sequence, code.incarnation}.byte();
-  // Where a fold took a first try off the line, its retry may have the number of the send before, which has ended.
+  // If a fold took a first try off the line, its retry may have the number of the send before, which has ended.
   const Sent* out = find(source, outstanding.token);
   const bool has_ended = out && out->ended && out->ended_at < now;
   if (code.attempt == 0 || outstanding.packet != packet || has_ended) {

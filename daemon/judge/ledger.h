@@ -158,7 +158,7 @@ class Ledger {
     sources_[source].outstanding[0].counted = sources_[source].outstanding[0].tries;
   }
   /// A packet of `source` has left it. @param since when its first byte did
-  /// @return null where it was not asked for through the ring (another owner)
+  /// @return null if it was not asked for through the ring (another owner)
   Sent* depart(NodeId source, wire::Code code, const LeavingPacket& packet, Time since);
   /// What has come home to its source.
   struct Return {
@@ -183,7 +183,7 @@ class Ledger {
   Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc, NodeId node);
   /// It has come home and matched; its source knows at `at`. @param fbc below 0: nobody can tell
   void come_home(Sent* sent, int fbc, Time at);
-  /// null where it is not known, or not needed any more.
+  /// null if it is not known, or not needed any more.
   Sent* find(NodeId source, std::uint32_t token);
   /// Node `node` has refused it; take(): has taken it as this packet, or pulled its pin.
   void refuse(Sent* sent, NodeId node, Time at) {

@@ -26,7 +26,7 @@ class ObservationFile final : public ObservationSink {
 
   void put(const Observation& seen) override;
   const std::string& path() const { return path_; }
-  /// False where it was removed from its folder, which who has it open does not see, or cut off.
+  /// False if it was removed from its folder, which who has it open does not see, or cut off.
   bool is_there() const;
   /// Makes it anew with all that it holds. Who has the old one open sees nothing more, and has to follow().
   /// @throw std::system_error
@@ -45,14 +45,14 @@ class ObservationFile final : public ObservationSink {
 class ObservationReader {
  public:
   /// @param from count() at which it begins
-  /// @throw std::runtime_error where it is no such file
+  /// @throw std::runtime_error if it is no such file
   ObservationReader(const std::string& path, std::uint64_t from);
 
   /// All that has come since, into `seen`, which is emptied before. @return so many were lost before these
   std::uint64_t read(std::vector<Observation>& seen);
 
   /// Goes on where it is in a file that was made again; at `from`, and what is before it is lost, if the old one was
-  /// cut off. @param from count() when it was made again @throw std::runtime_error where it is no such file
+  /// cut off. @param from count() when it was made again @throw std::runtime_error if it is no such file
   void follow(const std::string& path, std::uint64_t from);
 
  private:

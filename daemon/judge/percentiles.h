@@ -21,7 +21,7 @@ struct Percentiles {
 /// Reorders `samples`.
 Percentiles percentiles(std::vector<core::Duration>& samples);
 
-/// {"min","p50","p99","max","samples"}; null instead of numbers where there are no samples.
+/// {"min","p50","p99","max","samples"}; null instead of numbers if there are no samples.
 nlohmann::json to_json(const Percentiles& percentiles);
 
 }  // namespace limb_ring::statistics

@@ -17,7 +17,7 @@ enum class Promise {
   one_result,       ///< every send ends in exactly one result
   true_result,      ///< which says what has happened
   undamaged,        ///< what a CPU gets is what was sent, whole, and to it
-  exactly_once,     ///< a packet is taken, a pin pulled, once, also where the receiver restarts
+  exactly_once,     ///< a packet is taken, a pin pulled, once, also if the receiver restarts
   in_order,         ///< packets of a source and priority leave, and are taken, in the order of asking
   priority_first,   ///< of what waits the highest priority goes first, onto the line and to the CPU
   interrupt_wait,   ///< an INTP waits for other INTPs and at most for odd bytes, trailer and CRC

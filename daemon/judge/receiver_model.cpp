@@ -51,7 +51,7 @@ bool ReceiverModel::hear_boot(NodeId source, std::uint64_t boot, Forget forget) 
   return true;
 }
 
-// @return false where it is of an earlier incarnation
+// @return false if it is of an earlier incarnation
 bool ReceiverModel::hear(const PacketFields& packet, Time at) {
   Page& page = pages_[packet.source()];
   const auto empty = [](Page& p) {
@@ -74,7 +74,7 @@ bool ReceiverModel::hear(const PacketFields& packet, Time at) {
   return heard;
 }
 
-// @return false where it is of an earlier incarnation
+// @return false if it is of an earlier incarnation
 bool ReceiverModel::meet(const PacketFields& packet) {
   Page& page = pages_[packet.source()];
   const std::uint8_t incarnation = packet.code().incarnation;

@@ -27,7 +27,7 @@ class ReceiverModel {
     none,             ///< FBC stays as it is
     control,          ///< a hello or beacon: taken
     takes,            ///< into a receive buffer; pulls the pin
-    refuses,          ///< also where the packet is of an earlier incarnation
+    refuses,          ///< also if the packet is of an earlier incarnation
     repeats_taken,    ///< decided before
     repeats_refused,  ///< decided before
     unknown           ///< nobody can tell from outside

@@ -84,7 +84,7 @@ std::vector<std::uint8_t> bytes_of(const T& what) {
 /// What RecordWriter writes and RecordReader reads (ours), in the byte order of the machine, as a recording is replayed
 /// by the same program. A record:
 ///
-///     | tag 8 | time since the record before 64; 128 or none where the tag says so | what it is of |
+///     | tag 8 | time since the record before 64; 128 or none if the tag says so | what it is of |
 ///
 /// A slice that came in, and one of which the data is left out:
 ///
@@ -176,7 +176,7 @@ class RecordReader {
 
   /// True if all was read.
   bool complete() const { return rest_.complete(); }
-  /// @return nothing where the bytes are no record, or one that no driver of a core would leave. The bytes of a packet
+  /// @return nothing if the bytes are not a record, or one that no driver of a core would leave. The bytes of a packet
   ///         whose data was left out are there until the next record is read
   std::optional<Record> next();
 
@@ -184,7 +184,7 @@ class RecordReader {
   /// The time since the record before.
   core::Duration read_step(std::uint8_t tag);
   std::optional<Record> read(std::uint8_t tag);
-  /// @return false where it is none
+  /// @return false if it is none
   bool read(core::input::Receive& call, bool& data_left_out);
   bool read_abridged(wire::Slice& slice, std::uint32_t size);
 
@@ -224,7 +224,7 @@ class RecordWriter {
   core::Time last() const { return last_; }
 
  private:
-  /// Begins a record. @return where its next `size` bytes go; null where there is no room
+  /// Begins a record. @return where its next `size` bytes go; null if there is no room
   std::uint8_t* begin(std::uint8_t tag, core::Time at, std::size_t size = 0);
   void put_receive(std::uint8_t tag, core::Time at, const core::input::Receive& call);
 

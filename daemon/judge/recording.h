@@ -20,16 +20,16 @@ struct Recording {
 };
 
 /// The title of a recorder's memory, or of what save() has returned: their first kTitleSize bytes are enough.
-/// @throw std::runtime_error where it is none, or was written by another version
+/// @throw std::runtime_error if it is none, or was written by another version
 Title read_title(wire::ByteView bytes);
 
 /// What is to be kept of a recorder's memory, also while it goes on writing: title, used parts of the halves, and
 /// behind them a CRC, so that a changed byte is found. (ours)
-/// @throw std::runtime_error where it is no such memory, or is written faster than it can be read
+/// @throw std::runtime_error if it is no such memory, or is written faster than it can be read
 std::vector<std::uint8_t> save(wire::ByteView memory);
 
 /// @param saved what save() has returned, which must outlive the result
-/// @throw std::runtime_error where it is none, or was changed since; says what is wrong
+/// @throw std::runtime_error if it is none, or was changed since; says what is wrong
 Recording read_saved(wire::ByteView saved);
 
 /// What save_ring() has copied.
@@ -41,8 +41,8 @@ struct SavedRing {
 /// Copies the recordings of all nodes of a ring, also of dead ones and of the lives before, while the ring goes on.
 /// @param ring_folder its runtime folder
 /// @param to a folder, which is made where it is not there
-/// @return 0 recordings where there are none
-/// @throw std::exception where the folder cannot be made
+/// @return 0 recordings if there are none
+/// @throw std::exception if the folder cannot be made
 SavedRing save_ring(const std::string& ring_folder, const std::string& to);
 
 /// Removes the saves beside `newest`, the save that has just been made, until `keep` are left with it: the oldest

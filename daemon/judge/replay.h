@@ -28,11 +28,11 @@ class Replay {
  public:
   /// @param recording must outlive this
   /// @param data of packets of the ring, for those whose data was left out; must outlive this
-  /// @throw std::runtime_error where its core is not of this program
+  /// @throw std::runtime_error if its core is not of this program
   Replay(const Recording& recording, PacketData& data);
 
-  /// Does the next record. @return false at the end, and where there is a difference
-  /// @throw std::runtime_error where what was recorded is damaged
+  /// Does the next record. @return false at the end, and if there is a difference
+  /// @throw std::runtime_error if what was recorded is damaged
   bool step();
   /// The time of the next record; kNever at the end.
   core::Time next() const { return next_ ? next_->at : core::kNever; }

@@ -52,7 +52,7 @@ class ReplayedRing {
   std::chrono::nanoseconds after(std::chrono::nanoseconds machine_time) const { return machine_time - began_; }
   /// Does the next record of all, unless it is later than `until` after the first. Each life stops at its first
   /// difference.
-  /// @return whose it was; null where nothing is left
+  /// @return whose it was; null if nothing is left
   ReplayedLife* step(std::chrono::nanoseconds until);
   /// Of the packets that were replayed last.
   const PacketData& data() const { return data_; }

@@ -64,7 +64,7 @@ bool ResultJudge::is_over_at(std::uint8_t receiver, const Flow& flow, const Sent
   return (flow.queue == Observation::kInterrupt ? node.seen_round : node.empty_round) >= sent.ended_round + kLate;
 }
 
-/// @return false where that is not known yet
+/// @return false if that is not known yet
 bool ResultJudge::judge(Flow& flow, Sent& sent) {
   if (!sent.ended) return judge_open(flow, sent);
   return sent.by_node ? judge_broadcast(flow, sent) : judge_unicast(flow, sent);
@@ -127,7 +127,7 @@ bool ResultJudge::judge_taken(Flow& flow, Sent& sent) {
   return true;
 }
 
-/// Why it is no breach that the receiver has not given that send to its CPU, though it ended delivered.
+/// Why it is not a breach that the receiver has not given that send to its CPU, though it ended delivered.
 std::optional<Unjudged> ResultJudge::excuse(const Flow& flow, const Sent& sent, std::uint8_t receiver) const {
   const SeenNode& to = ring_.at(receiver);
   if (sent.by_node &&

@@ -142,7 +142,7 @@ struct Flow {
   bool listed = false;             ///< in SeenRing::active
 
   Sent& add(const Observation& asked);
-  /// Null where it has none of that content.
+  /// Null if it has none of that content.
   const std::deque<Sent*>* find_alike(const Observation& like) const;
   void pop_front();
   void clear();
@@ -195,7 +195,7 @@ struct SeenRing {
   SeenNode& at(std::uint8_t id) { return nodes[id]; }
   const SeenNode& at(std::uint8_t id) const { return nodes[id]; }
   Flow& flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination);
-  /// Null where nothing was asked for in it.
+  /// Null if nothing was asked for in it.
   Flow* find_flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) const;
   /// Visits the sends that look the same at the receiver: a pin does not show whether the INTP was a broadcast.
   /// @param visit returns true to stop @return whether one did

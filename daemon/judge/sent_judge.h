@@ -32,7 +32,7 @@ class ResultJudge {
               bool ring_was_broken)
       : sent_(sent), settings_(settings), source_(source), said_hello_(said_hello), ring_was_broken_(ring_was_broken) {}
 
-  /// @return what speaks against it; null where nothing does
+  /// @return what speaks against it; null if nothing does
   const char* objection() const;
   /// Until when it must have ended. (protocol.md sections 4.3 and 4.5)
   Time due() const;

@@ -116,7 +116,7 @@ void CpuProcess::child_ended(const process::ExitStatus& status) {
 }
 
 // On a virtual ring by its clock: what the end of the connection has changed, as sends that are cancelled, comes before
-// it on the ring, also where the process has ended first.
+// it on the ring, also if the process has ended first.
 void CpuProcess::see_end_at(Time when) { end_timer_->expires_at(when); }
 
 void CpuProcess::see_end() {

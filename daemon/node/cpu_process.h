@@ -92,7 +92,7 @@ class CpuProcess {
     if (child_.owns(pid) && !stopping_) watch_boot();
   }
   /// A process took the CPU's place on the host port. `pid` by SO_PEERCRED.
-  /// @return false where that process has ended or is being killed: close its connection.
+  /// @return false if that process has ended or is being killed: close its connection.
   bool attached(pid_t pid, bool restarted_by_owner, std::chrono::milliseconds alive_period);
   /// The connection of `pid` has ended. Has no effect if another process has taken its place.
   void detached(pid_t pid);

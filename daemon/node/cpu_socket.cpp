@@ -67,7 +67,7 @@ void CpuSocket::hand_over() {
     if (view.channel == payload::kJointChannel) watch_.given({view.data.data, view.data.size});
     host_.give(view);
   }
-  // Where that time is over already, the CPU has asked for nothing more: it is given more when it does.
+  // If that time is over already, the CPU has asked for nothing more: it is given more when it does.
   const core::Time next = read_throttle_.next();
   if (next != core::kNever && next > driver_.now() && driver_.controller().received_waiting() != 0)
     next_read_->expires_at(driver_.steady(next));

@@ -45,7 +45,7 @@ struct CpuStatus {
   bool ending = false;      ///< that one is a child that was killed and has not gone yet
   bool unsettled = false;   ///< on a virtual ring: a child has let go of the host port, and nobody knows why yet
   std::uint32_t boots = 0;  ///< times a CPU attached to the host port: higher means it really runs
-  std::chrono::milliseconds silent{0};        ///< since its last word; 0 where none is attached
+  std::chrono::milliseconds silent{0};        ///< since its last word; 0 if none is attached
   std::chrono::milliseconds alive_period{0};  ///< promised by it or for it (cpu: {alive_period}); 0: no promise
   bool restarted_by_owner = false;            ///< attached: somebody restarts it when it is killed
   std::uint64_t resets = 0;
@@ -106,7 +106,7 @@ class PinCommands {
   PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline, process::ProcessHandle::By by);
 
   /// Starts a command; its output goes to our standard error.
-  /// @return why not; empty where it was started (its end is logged and counted).
+  /// @return why not; empty if it was started (its end is logged and counted).
   std::string run(const std::vector<std::string>& command, process::SpawnRequest request);
   /// Kills what is running.
   void stop();

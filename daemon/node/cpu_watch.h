@@ -23,7 +23,7 @@ class CpuWatch {
   static constexpr core::Duration kLook = std::chrono::seconds(1);
   /// A sensor or all joints that say nothing for so long, and for three of their periods, are silent.
   static constexpr core::Duration kSilence = std::chrono::seconds(2);
-  static constexpr unsigned kCommands = 20;  ///< if none of these in a row is obeyed, it is no accident
+  static constexpr unsigned kCommands = 20;  ///< if none of these in a row is obeyed, it is not an accident
   static constexpr std::size_t kMostWarnings = 16;
 
   /// @param log is given each warning when it begins

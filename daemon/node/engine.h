@@ -34,7 +34,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Tap {
 
   /// From now on everything that goes into the controller and comes out of it is written into that file.
   /// @param title `zero`, `date` and `settings` are filled in
-  /// @throw std::system_error where the file cannot be made
+  /// @throw std::system_error if the file cannot be made
   void record(const std::string& path, std::size_t size, recorder::Title title);
 
   void pump() override;

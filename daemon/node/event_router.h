@@ -124,7 +124,7 @@ class Traffic {
   explicit Traffic(NodeDriver& driver) : driver_(driver) {}
 
   /// `done` gets {"sent","delivered","lost","other","reasons","round_trip_us","seconds",...} once.
-  /// @return false where too many runs are under way
+  /// @return false if too many runs are under way
   bool start(const TrafficRequest& request, Done done);
   /// @param reason why it was not delivered, for people
   void on_ended(const core::SendEnded& ended, const std::string& reason);

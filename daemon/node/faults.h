@@ -105,9 +105,9 @@ class Faults {
       : io_(io), nodes_(std::move(nodes)), driver_(driver), cpu_(io, driver, cpu, cpu_boot) {}
 
   const fault::RingNodes& nodes() const { return nodes_; }
-  /// @pre a fault of the line out of this node, or of its CPU; where it takes a seed, it has one
+  /// @pre a fault of the line out of this node, or of its CPU; if it takes a seed, it has one
   void begin(const fault::Fault& fault, const Begun& begun);
-  /// @return false where there is no such fault (any more); `done` is not called then
+  /// @return false if there is no such fault (any more); `done` is not called then
   bool remove(Id id, const Done& done);
   void clear(const Done& done);
   bool full() const { return active_.size() >= kMost; }

@@ -96,7 +96,7 @@ void HostServer::admit(process::UniqueFd socket) {
 /// Somebody has to go, so that a place gets free for a client of process `comer`: who has not greeted, else who is
 /// idle, or of another process that holds more than half of the places. Of those one of the process that holds the
 /// most, and of that one's who is idle for the longest.
-/// @param greeted only those who have, and need a place for long @return false where nobody is
+/// @param greeted only those who have, and need a place for long @return false if nobody is
 bool HostServer::make_room(pid_t comer, bool greeted) {
   std::map<pid_t, unsigned> places;
   for (const auto& [id, session] : sessions_) ++places[session->info().pid];
@@ -120,7 +120,7 @@ bool HostServer::make_room(pid_t comer, bool greeted) {
   return true;
 }
 
-/// @return null where the kernel watches no more descriptors for us; the client finds its connection closed
+/// @return null if the kernel watches no more descriptors for us; the client finds its connection closed
 HostServer::SessionPtr HostServer::make_session(process::UniqueFd socket, const ClientInfo& info) try {
   SessionOwner& owner = *this;
   return std::make_shared<Session>(io_, std::move(socket), info, owner);
@@ -324,7 +324,7 @@ std::string own_description() {
          fs::current_path(unknown).string() + '\0' + own_arguments();
 }
 
-/// Nothing where it cannot be had: the folder is only less safe then.
+/// Nothing if it cannot be had: the folder is only less safe then.
 std::shared_ptr<process::UniqueFd> lock_against_cleaners(const std::string& directory) {
   static std::weak_ptr<process::UniqueFd> last;
   struct stat there {

@@ -46,7 +46,7 @@ struct HostCounters {
   std::uint64_t refused_foreign = 0;    ///< another user's process
   std::uint64_t refused_full = 0;       ///< more clients than limits.clients
   std::uint64_t refused_unwatched = 0;  ///< the kernel watches no more descriptors for us
-  std::uint64_t garbage = 0;            ///< closed for bytes that are no message
+  std::uint64_t garbage = 0;            ///< closed for bytes that are not a message
   std::uint64_t never_greeted = 0;      ///< closed for not greeting in time, or before others that want the place
   std::uint64_t displaced = 0;          ///< closed as others want the place
   std::uint64_t slow_clients = 0;       ///< closed for not reading what was for them
@@ -61,7 +61,7 @@ struct HostOptions {
   std::string directory;  ///< make_ring_directory()'s
   std::string ring;
   std::uint8_t id = 0;
-  std::string name;             ///< empty: this is no node, but a whole ring
+  std::string name;             ///< empty: this is not a node, but a whole ring
   unsigned max_clients = 32;    ///< limits.clients
   TurnKeeper* turns = nullptr;  ///< of a virtual clock; null: the machine's
 };
@@ -73,7 +73,7 @@ class HostServer final : private SessionOwner {
   /// Beside limits.clients, for those who ask and go and for the CPU: programs that fill all places must not keep a
   /// stop from the node, nor its CPU.
   static constexpr unsigned kKeptPlaces = 8;
-  /// Where all places are taken, a client that observes nothing, has asked for nothing for so long, and waits for no
+  /// If all places are taken, a client that observes nothing, has asked for nothing for so long, and waits for no
   /// answer makes room for the next one; and one of a process that holds more than half of them, for another process.
   static constexpr std::chrono::seconds kIdleFor{2};
   /// What clients say may take this time in one turn of the event loop, and at least one message of each is handled: a
@@ -85,13 +85,13 @@ class HostServer final : private SessionOwner {
   HostServer(boost::asio::io_context& io, HostOptions options, HostHandler& handler);
   ~HostServer() override;
 
-  /// The attached CPU; nothing where there is none.
+  /// The attached CPU; nothing if there is none.
   const ClientInfo* cpu() const;
   /// The CPU is attached and has room for a packet.
   bool cpu_can_take() const;
   /// Hands a packet to the CPU, using one credit. @pre cpu_can_take()
   void give(const client::PacketView& packet);
-  /// Tells the CPU. @return false, and counted, where there is none
+  /// Tells the CPU. @return false, and counted, if there is none
   bool interrupt(const limb_ring::Interrupt& interrupt);
 
   /// The end of a call. Nothing happens where the client is gone.
@@ -99,7 +99,7 @@ class HostServer final : private SessionOwner {
   void reply(ClientId client, std::uint32_t token, const std::string& json);
   /// Left out, counted and told to the client where it reads too slowly.
   void observed(ClientId client, const std::string& json);
-  /// @return false where it was left out, and counted, since the client reads too slowly
+  /// @return false if it was left out, and counted, since the client reads too slowly
   bool captured(ClientId client, const client::CapturedView& packet);
   void capture_counts(ClientId client, const CaptureCounts& counts);
 
@@ -149,7 +149,7 @@ class HostServer final : private SessionOwner {
   void on(Session& session, const client::Greeting& greeting);
   void attach_later(Session& session, const client::Greeting& greeting);
   void attach_now(const SessionPtr& session, const client::Greeting& greeting);
-  /// @return false where it was refused
+  /// @return false if it was refused
   bool attach(Session& session, const client::Greeting& greeting);
   bool is_in_lockstep(const client::Greeting& greeting) const;
   client::Welcome welcome(client::ClockKind clock) const;
@@ -202,7 +202,7 @@ class NodeLock {
   ///        the file and what is wrong with it
   NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name);
 
-  /// False where its file was removed, so that another daemon can have one of its own.
+  /// False if its file was removed, so that another daemon can have one of its own.
   bool is_in_place() const { return file_.is_in_place(); }
 
  private:

@@ -25,7 +25,7 @@ class LibraryNode final : private sim::Guest {
   ~LibraryNode() override;
 
   /// Its firmware starts, in memory of its own, as after power-on.
-  /// @throw std::runtime_error where the file is no such library: names it and what is missing
+  /// @throw std::runtime_error if the file is no such library: names it and what is missing
   void switch_on();
   /// Its neighbours bypass it.
   void switch_off();

@@ -35,7 +35,7 @@ link::Endpoint endpoint_between(const NodeConfig& from, const NodeConfig& to, co
                                                  : link::Endpoint::unix_stream(std::move(path));
 }
 
-/// Where it listens for the nodes of other hosts; nothing where there are none. By a bypass each of them may come to
+/// If it listens for the nodes of other hosts; nothing if there are none. By a bypass each of them may come to
 /// be its upstream neighbour, however far away it is.
 std::optional<link::Endpoint> endpoint_from_hosts(const RingConfig& ring, const NodeConfig& node,
                                                   const std::string& directory, Line line) {
@@ -59,7 +59,7 @@ bool has_udp_lines(const RingConfig& ring) {
   });
 }
 
-/// Of the UDP lines that run in this direction; none where they are not keyed, or where there are none: a ring of many
+/// Of the UDP lines that run in this direction; none if they are not keyed, or if there are none: a ring of many
 /// hosts that is tried out on one machine needs no key there. @throw config::ConfigError
 std::shared_ptr<const link::LineKey> key_of(const RingConfig& ring, Line line) {
   if (ring.links.key.empty() || !has_udp_lines(ring)) return nullptr;

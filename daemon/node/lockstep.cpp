@@ -138,7 +138,7 @@ void Lockstep::await_messages() {
     if (!await_message_of(*entry) || steady_clock::now() >= end) return;
 }
 
-/// @return false where it says nothing yet
+/// @return false if it says nothing yet
 bool Lockstep::await_message_of(Entry& entry) {
   auto& [key, program] = entry;
   const Instant since = steady_clock::now();
@@ -336,7 +336,7 @@ bool Boots::changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
   return false;
 }
 
-// Who has greeted in place of the child that is gone would wait for ever. Where it was the child, it is refused.
+// Who has greeted in place of the child that is gone would wait for ever. If it was the child, it is refused.
 void Boots::drop(std::uint8_t node) {
   const auto dropped = boots_.extract(node);
   if (!dropped.empty() && dropped.mapped().attach) dropped.mapped().attach();

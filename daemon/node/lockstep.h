@@ -20,7 +20,7 @@ namespace limb_ring::virtual_host {
 /// that is over, so that a run does not depend on how long it really takes.
 class Boots {
  public:
-  /// True where nobody waits for the CPU of that node: the node is frozen, or the CPU stopped.
+  /// True if nobody waits for the CPU of that node: the node is frozen, or the CPU stopped.
   using IsAway = std::function<bool(std::uint8_t node)>;
   /// How long, in real time from its node's start, to wait for a CPU that others start: ROS nodes take some seconds.
   static constexpr std::chrono::seconds kAttachedWithin{30};
@@ -36,7 +36,7 @@ class Boots {
   bool greeted(std::uint8_t node, const std::function<void()>& attach);
   /// That CPU is gone: another one is waited for.
   void left(std::uint8_t node);
-  /// What is known of the CPU process of a node has changed. @return true where it is a new one
+  /// What is known of the CPU process of a node has changed. @return true if it is a new one
   bool changed(std::uint8_t node, const runtime::CpuStatus& cpu);
   /// The process of a node is ending, from this instant on.
   void ends(std::uint8_t node);
@@ -49,7 +49,7 @@ class Boots {
   /// The instant at which time stands until these CPUs have come or gone; kNever if there are none.
   core::Time held_at() const;
   /// Attaches those whose boot is over by now, in the order of the nodes, once all of them have come.
-  /// @return false where one is still waited for
+  /// @return false if one is still waited for
   bool attach_those_due();
 
  private:

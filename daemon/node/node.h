@@ -48,7 +48,7 @@ struct NodeBase {
 /// whoever it is for.
 class Node {
  public:
-  /// @throw std::exception where the node is held by another daemon, or a socket cannot be had
+  /// @throw std::exception if the node is held by another daemon, or a socket cannot be had
   Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config,
        const NodeBase& base);
 
@@ -72,7 +72,7 @@ class Node {
 
  private:
   /// No link is closed, its child CPU is killed, and the same program is started again.
-  /// @throw std::system_error where it cannot be started
+  /// @throw std::system_error if it cannot be started
   void power_cycle();
   FolderWatch::Folder folder_to_watch();
 
@@ -94,7 +94,7 @@ class Node {
   SendReasons reasons_;
   DaemonInterrupts interrupts_;
   Faults faults_;
-  std::optional<RingSupervisor> supervisor_;  ///< none where another node is the ring's supervisor
+  std::optional<RingSupervisor> supervisor_;  ///< none if another node is the ring's supervisor
   RoundTrips round_trips_;
   LatelyDamaged lately_damaged_;
   Requests requests_;

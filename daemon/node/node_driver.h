@@ -37,7 +37,7 @@ struct LinkChange {
   core::Line line;
   bool input;  ///< else output
   Is is;
-  std::optional<std::uint8_t> other = {};  ///< the node at the other end; none where it was lost, or nobody knows
+  std::optional<std::uint8_t> other = {};  ///< the node at the other end; none if it was lost, or nobody knows
   std::string why = {};
 
   std::string words() const;  ///< "second line: input from node 3"

@@ -44,7 +44,7 @@ class BootRecord {
 /// and the boot record.
 class NodeFolder {
  public:
-  /// @throw host::NodeHeld where another daemon holds the node, std::exception where it cannot be made
+  /// @throw host::NodeHeld if another daemon holds the node, std::exception where it cannot be made
   NodeFolder(const config::RingConfig& ring, const config::NodeConfig& node);
 
   const std::string& path() const { return path_; }
@@ -60,7 +60,7 @@ class NodeFolder {
   const config::RingConfig& ring_;
   const config::NodeConfig& node_;
   std::string path_;
-  std::optional<host::NodeLock> lock_;  ///< none where it could not be taken again
+  std::optional<host::NodeLock> lock_;  ///< none if it could not be taken again
   std::optional<BootRecord> boots_;
 };
 
@@ -73,7 +73,7 @@ class FolderWatch {
   struct Folder {
     std::string path;
     std::function<bool()> is_in_place;
-    /// @throw host::NodeHeld where another daemon has taken the node meanwhile, std::exception where it cannot be
+    /// @throw host::NodeHeld if another daemon has taken the node meanwhile, std::exception where it cannot be
     /// made (yet)
     std::function<void()> make_again;
     /// Another daemon has the node; ours has to end without touching that one's files.

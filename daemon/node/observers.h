@@ -103,7 +103,7 @@ class PromiseObservers {
   PromiseObservers(const PromiseObservers&) = delete;
   PromiseObservers& operator=(const PromiseObservers&) = delete;
 
-  /// @throw std::system_error where the file cannot be made
+  /// @throw std::system_error if the file cannot be made
   void set(host::ClientId client, bool wanted);
   void remove(host::ClientId client);
 

@@ -106,7 +106,7 @@ class RingSupervisor {
   RingSupervisor(const config::RingConfig& ring, NodeDriver& driver, DaemonInterrupts& interrupts,
                  const CpuSightings& cpus, Found found);
 
-  /// Does nothing where no CPU is to be watched, or the policy is off.
+  /// Does nothing if no CPU is to be watched, or the policy is off.
   void start();
   void stop() { timer_->cancel(); }
   const Watchdog& watchdog() const { return watchdog_; }

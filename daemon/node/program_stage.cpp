@@ -180,7 +180,7 @@ std::optional<scenario::Stage::Failure> ProgramStage::apply(const Fault& fault) 
   return refused_;
 }
 
-/// Where it cannot be done, perhaps later, that is the end of the run.
+/// If it cannot be done, perhaps later, that is the end of the run.
 void ProgramStage::begin(const Fault& fault) {
   if (fault.nodes.empty()) return;
   const auto told = [this](const std::string& problem) {

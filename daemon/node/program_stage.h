@@ -62,7 +62,7 @@ class ProgramStage final : public scenario::RingStage, private sim::Observer {
   /// Its sockets are in the ring's folder, as those of daemons are. Nothing is started before begin().
   /// @param scenario, ring outlive this @param ring as ring_with_programs() has it
   /// @param cpu_output descriptor for what the programs print; not closed
-  /// @throw std::exception where a socket cannot be had
+  /// @throw std::exception if a socket cannot be had
   ProgramStage(const scenario::Scenario& scenario, const config::RingConfig& ring, std::uint64_t seed, int cpu_output);
   ~ProgramStage() override;
 

@@ -18,7 +18,7 @@ namespace limb_ring::runtime {
 unsigned core_of(std::size_t place, std::size_t nodes, const std::vector<unsigned>& allowed);
 
 /// Pins this process to cores, asks for SCHED_FIFO and locks its memory, as the configuration
-/// says. Where the rights are missing it says so once, with what would give them, and goes on.
+/// says. If the rights are missing it says so once, with what would give them, and goes on.
 /// @param place of this node in ring order
 void apply_realtime(const config::RingConfig& ring, std::size_t place);
 
@@ -29,11 +29,11 @@ void keep_on_one_core(const config::RingConfig& ring);
 
 /// Starts the program of this process again in its place, with the same arguments, environment, pid and parent: for its
 /// parent the process does not end. All descriptors but 0, 1 and 2 are closed.
-/// Where it cannot be executed (any more), the process ends, with a line in its log: whoever looks after it starts it.
+/// If it cannot be executed (any more), the process ends, with a line in its log: whoever looks after it starts it.
 /// @param cores that the new program may use; none: the same as this process
 [[noreturn]] void re_exec(const std::optional<cpu_set_t>& cores);
 
-/// "only 32 file descriptors may be open (ulimit -n), this node needs up to 88"; empty where that is enough. Beyond the
+/// "only 32 file descriptors may be open (ulimit -n), this node needs up to 88"; empty if that is enough. Beyond the
 /// limit lines and clients are refused, for reasons that do not name it.
 std::string too_few_descriptors(const config::RingConfig& ring);
 

@@ -21,7 +21,7 @@ using Json = nlohmann::json;
 using Targets = Requests::Targets;
 using Action = config::PinConfig::Action;
 
-/// The first pin of a node wired to `action`. @throw RequestError where there is none
+/// The first pin of a node wired to `action`. @throw RequestError if there is none
 std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std::string& name) {
   if (const auto pin = config::first_pin(node, action)) return *pin;
   throw RequestError("node " + node.name + " has no pin wired to " + name);

@@ -57,14 +57,14 @@ struct RequestError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// JSON for a client. Bytes that are no UTF-8, as in a path, become U+FFFD.
+/// JSON for a client. Bytes that are not UTF-8, as in a path, become U+FFFD.
 std::string text_of(const nlohmann::json& answer);
 
 /// What a client wrote, an object. @param problem says what it should be
-/// @throw RequestError where it is none, or nested too deep
+/// @throw RequestError if it is none, or nested too deep
 nlohmann::json object_in(const std::string& text, const char* problem);
 
-/// The first member that is not among these, printable; nothing where all are.
+/// The first member that is not among these, printable; nothing if all are.
 std::optional<std::string> unknown_member(const nlohmann::json& object, const std::vector<std::string>& known);
 
 /// A whole number within `least` and `most`, `otherwise` where the field is missing.
@@ -96,7 +96,7 @@ struct RequestKind {
   std::variant<OfNode, OfFaults, OfClock> handler;  ///< may throw; what() is then the answer
 };
 
-/// @return that of an object's `do`; null where there is no such request
+/// @return that of an object's `do`; null if there is no such request
 const RequestKind* find_request_kind(const nlohmann::json& request);
 
 /// Answers a request about the clock of a virtual ring. @return false if it is about something else

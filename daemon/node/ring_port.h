@@ -22,7 +22,7 @@ struct RingRequests {
 /// also while nodes are dead or frozen. It has no CPU and sends nothing; requests alone (docs/reference/requests.md).
 class RingPort final : private host::HostHandler {
  public:
-  /// @param nodes those of the ring. @throw std::exception where the socket cannot be had
+  /// @param nodes those of the ring. @throw std::exception if the socket cannot be had
   RingPort(boost::asio::io_context& io, host::HostOptions options, fault::RingNodes nodes, RingRequests requests);
 
   void close();

@@ -169,14 +169,14 @@ class Session : public std::enable_shared_from_this<Session> {
   /// turn.
   static constexpr std::chrono::milliseconds kPatience{2};
 
-  /// @throw std::system_error where it cannot be waited for
+  /// @throw std::system_error if it cannot be waited for
   Session(boost::asio::io_context& io, process::UniqueFd socket, ClientInfo info, SessionOwner& owner);
 
   void start();
   /// It has greeted in time; what it says next waits until it is attached.
   void greeted();
   /// The greeting was accepted: the client is what `info` says.
-  /// @param turns not null where info.lockstep is set
+  /// @param turns not null if info.lockstep is set
   void attach(const ClientInfo& info, TurnKeeper* turns);
   /// Writes what can be written at once, `reason` last, and closes. The owner is not told.
   void end(const std::string& reason);
@@ -187,7 +187,7 @@ class Session : public std::enable_shared_from_this<Session> {
   }
   /// Sent at once, or together with later messages if the client has allowed that.
   void put_result(const Result& result);
-  /// @return false where it was left out
+  /// @return false if it was left out
   bool put_observed(const Observed& observed);
   bool put_captured(const client::CapturedView& packet);
 
@@ -218,7 +218,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void observes() { observes_ = true; }
   /// For so long it has not been heard, and nothing is under way for it; 0 for a CPU, and for one that observes.
   std::chrono::nanoseconds idle_for() const;
-  /// True where the other end has gone, though we may not have read so far.
+  /// True if the other end has gone, though we may not have read so far.
   bool hung_up() const;
   const ClientInfo& info() const { return info_; }
   unsigned credit = 0;  ///< packets the client has room for
@@ -233,7 +233,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool has_said_enough() const;
   void put_off_the_rest();
   std::uint32_t input_events() const;
-  /// @return false where there is no session any more
+  /// @return false if there is no session any more
   template <typename Kind>
   bool append(const Kind& message) {
     if (!open()) return false;
@@ -282,7 +282,7 @@ namespace limb_ring::runtime {
 /// core::Owner; that is made and read here alone. (ours)
 struct SendOwner {
   enum class Kind : std::uint8_t {
-    client,             ///< of the host port: a tool or the CPU, also where it pulls an interrupt input
+    client,             ///< of the host port: a tool or the CPU, also if it pulls an interrupt input
     traffic,            ///< packets that the daemon makes to time them
     daemon_interrupts,  ///< interrupts that the daemon itself sends
     babbling_cpu,       ///< packets of a CPU that babbles on purpose

@@ -25,7 +25,7 @@ struct StatusSources {
   const RoundTrips& round_trips;
   const LatelyDamaged& lately_damaged;
   const NeighbourWatch& neighbours;
-  const std::optional<RingSupervisor>& supervisor;  ///< none where another node is the ring's supervisor
+  const std::optional<RingSupervisor>& supervisor;  ///< none if another node is the ring's supervisor
   const host::TurnKeeper* turns;                    ///< null: the ring's clock is the machine's
 };
 

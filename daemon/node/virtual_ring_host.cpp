@@ -24,7 +24,7 @@ constexpr milliseconds kTick{100};
 /// How far the ring goes on in one step if no program waits for an instant.
 constexpr std::chrono::milliseconds kLongestStep{10};
 
-/// The simulation has a controller for every number up to the largest id; those that are no node's are never alive.
+/// The simulation has a controller for every number up to the largest id; those without a node are never alive.
 core::Settings settings_of(const config::RingConfig& ring, const core::Settings& given) {
   const config::NodeConfig* node = ring.find(given.id);
   core::Settings settings = setup::core_settings(ring, node ? *node : ring.nodes.front(), given.boot);

@@ -32,7 +32,7 @@ struct VirtualRingHostOptions {
 class VirtualRingHost final : private sim::Observer, private NodePower {
  public:
   /// @param ring every line has a rate; all outlive this
-  /// @throw std::exception where a node is held by another process, or a socket cannot be had
+  /// @throw std::exception if a node is held by another process, or a socket cannot be had
   VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring,
                   const VirtualRingHostOptions& options = {});
   ~VirtualRingHost() override;
@@ -53,7 +53,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
 
   /// Calls `action` at that instant of the ring's time, while no program acts.
   void at(core::Time when, std::function<void()> action);
-  /// Does a fault now, of whatever it is. @pre within an action, see at(); where it takes a seed, it has one
+  /// Does a fault now, of whatever it is. @pre within an action, see at(); if it takes a seed, it has one
   /// @param done told for each of its nodes, perhaps later, why not, or nothing; a reset is done when the CPU has
   /// booted
   void begin(const fault::Fault& fault, const std::function<void(const std::string& problem)>& done);
@@ -74,7 +74,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   const Lockstep& lockstep() const { return lockstep_; }
   sim::VirtualRing& ring() { return ring_; }
   sim::VirtualLineFaults& line_faults() { return faults_; }
-  /// Null where it is dead, or a LibraryNode.
+  /// Null if it is dead, or a LibraryNode.
   runtime::Node* node(wire::NodeId id) {
     const auto found = nodes_.find(id);
     return found == nodes_.end() ? nullptr : found->second.get();
@@ -105,7 +105,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   VirtualRingHostOptions options_;
   sim::VirtualRing ring_;
   sim::VirtualLineFaults faults_;
-  std::vector<VirtualNode*> drivers_;  ///< by id; null where there is none, or a LibraryNode
+  std::vector<VirtualNode*> drivers_;  ///< by id; null if there is none, or a LibraryNode
   std::map<std::uint8_t, std::shared_ptr<runtime::NodeFolder>> folders_;  ///< a dead node is held all the same
   std::map<std::uint8_t, std::unique_ptr<runtime::Node>> nodes_;          ///< those that are not dead
   std::map<std::uint8_t, std::unique_ptr<LibraryNode>> libraries_;

@@ -64,7 +64,7 @@ std::vector<KnownStop> wait_until_reached(const SentStop& stop);
 std::vector<KnownStop> wait_for_stops(const SentStop& stop);
 
 /// Who should stop all next, where parts of the ring were not reached: a node from where a stop goes down as much of an
-/// open chain as possible. Nothing where all were reached, or all that were not have been asked.
+/// open chain as possible. Nothing if all were reached, or all that were not have been asked.
 /// @param stops of all nodes, in ring order
 /// @param asked ids of those that have sent a stop already
 std::optional<Node> next_to_ask(const std::vector<KnownStop>& stops, const std::set<std::uint8_t>& asked);
@@ -101,7 +101,7 @@ struct Resumed {
 /// Sends a resume from the node with this id, and waits for its result.
 using SendResume = std::function<Result(std::uint8_t from)>;
 
-/// A resume that one node has sent, with this result: where that does not reach its target, it is sent from a node of
+/// A resume that one node has sent, with this result: if that does not reach its target, it is sent from a node of
 /// this host that does. @return the result that counts
 Result resume_from_nearer(const std::string& ring, std::uint8_t target, const Result& result, const SendResume& send);
 

@@ -49,7 +49,7 @@ class LaunchedRing {
   /// Waits for up to the given time. @return true: kill what still runs, without further grace
   using Wait = std::function<bool(std::chrono::milliseconds)>;
 
-  /// Starts one ringd per node. @throw std::runtime_error where one cannot be started, or its log not be written; those
+  /// Starts one ringd per node. @throw std::runtime_error if one cannot be started, or its log not be written; those
   /// that were have ended then
   explicit LaunchedRing(LaunchRequest request);
 
@@ -77,7 +77,7 @@ class LaunchedRing {
 /// touched. Removed with everything in it; the environment is then as before.
 class PrivateFolder {
  public:
-  /// @throw std::system_error where none can be made
+  /// @throw std::system_error if none can be made
   PrivateFolder();
   ~PrivateFolder();
   PrivateFolder(const PrivateFolder&) = delete;
@@ -92,11 +92,11 @@ class PrivateFolder {
   std::map<std::string, std::optional<std::string>> before_;
 };
 
-/// What a virtual ring says of its clock (docs/reference/requests.md), with "now_s" for "now_ns". Null where the ring
+/// What a virtual ring says of its clock (docs/reference/requests.md), with "now_s" for "now_ns". Null if the ring
 /// goes by the machine's clock, or its process does not answer.
 nlohmann::json ring_clock(const std::string& ring);
 
-/// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty where it goes.
+/// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty if it goes.
 std::string standing_clock(const std::string& ring);
 /// `problem`, of something that has not happened in time, and standing_clock() where it stands.
 std::string with_standing_clock(const std::string& problem, const std::string& ring);

@@ -47,7 +47,7 @@ std::vector<Problem> at_the_same_time(const std::vector<wire::NodeId>& nodes,
   return problems;
 }
 
-/// @throw NotDone with all of them, where there is one; HostPortError where none is of another kind
+/// @throw NotDone with all of them, if there is one; HostPortError if none is of another kind
 void require_all(const std::vector<Problem>& problems) {
   std::string wrong;
   bool no_daemons = true;
@@ -140,7 +140,7 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
   remove_note(daemons_.folder(), node);  // last: without it 'ringctl up --respawn' would start a second daemon
 }
 
-// A frozen daemon cannot thaw itself, so the caller waits. The fault stays in the list meanwhile; where another one has
+// A frozen daemon cannot thaw itself, so the caller waits. The fault stays in the list meanwhile; if another one has
 // taken its place, that one is not ours to end.
 void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const NodeNote& ours,
                                const Wait& wait) const {

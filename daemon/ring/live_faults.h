@@ -20,7 +20,7 @@ struct FaultList {
 
 /// What has been done.
 struct Begun {
-  std::string id;     ///< empty where it is over at once: heal, start, thaw, power_cycle, resume, reset, crash
+  std::string id;     ///< empty if it is over at once: heal, start, thaw, power_cycle, resume, reset, crash
   std::string words;  ///< as in status::Fault; a seed that was drawn is among them
 };
 
@@ -32,17 +32,18 @@ class LiveFaults {
  public:
   LiveFaults(const std::string& ring, const fault::RingNodes& nodes) : daemons_(ring, nodes) {}
 
-  /// Waits so long, or less. @return whether somebody asks to end; then a node frozen for a time is thawed at once
+  /// Waits for that time, or less. @return whether somebody asks to end; then a node frozen for a time is thawed at
+  /// once
   using Wait = std::function<bool(std::chrono::milliseconds)>;
 
   /// A node frozen for a time is thawed again when this returns.
   /// @param wait may be called by several threads at a time; empty: nobody asks to end
-  /// @return one for each of its nodes. @throw NotDone, HostPortError where a daemon is not there
+  /// @return one for each of its nodes. @throw NotDone, HostPortError if a daemon is not there
   std::vector<Begun> begin(const fault::Fault& fault, const Wait& wait = {}) const;
   /// Of a daemon that does not answer, only that it is frozen or killed.
   FaultList list() const;
   /// A frozen daemon is thawed, a killed one is started.
-  /// @throw NotDone where there is no such fault, fault::ParseError where there can be none
+  /// @throw NotDone if there is no such fault, fault::ParseError where there can be none
   void remove(const std::string& id) const;
   /// Removes all faults. @return what could not be done, one line each; empty: no fault is left
   /// @param patience for what is started to come up

@@ -30,7 +30,7 @@ class ObservedDaemon {
   bool look_for();
   /// There is one, perhaps stopped, or that cannot be known.
   bool may_live() const;
-  /// Why a daemon that lives, or may, could not be connected to when it was looked for last; empty where it could.
+  /// Why a daemon that lives, or may, could not be connected to when it was looked for last; empty if it could.
   const std::string& problem() const { return problem_; }
   /// The next observation. @return nothing if none is waiting, or the daemon is gone
   std::optional<std::string> next();

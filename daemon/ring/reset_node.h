@@ -39,7 +39,7 @@ nlohmann::json judged(nlohmann::json answer, const ResetQuery& query, const Rows
 
 /// Resets, and waits until the effect is known: at most for `timeout` and a little more.
 /// @return the daemon's answer to the request `reset`; effect "seen", "none" or "unknown"
-/// @throw HostPortError where the daemon does not answer, or says that it cannot be done; live::NotDone where the node
+/// @throw HostPortError if the daemon does not answer, or says that it cannot be done; live::NotDone where the node
 /// has no CPU
 nlohmann::json reset_node(ResetQuery query);
 
@@ -50,7 +50,7 @@ inline bool may_have_arrived(const Result& result) {
 }
 
 /// Sends a stop from the node with this id, and waits for its result, at most so long.
-/// @return it was delivered. Where it throws, nothing is known of that node.
+/// @return it was delivered. If it throws, nothing is known of that node.
 using SendStop = std::function<bool(std::uint8_t from, std::chrono::milliseconds timeout)>;
 /// Who should send the stop next, where it was not sent by these.
 using NextSender =

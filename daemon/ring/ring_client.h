@@ -17,14 +17,14 @@ namespace limb_ring::ask {
 struct Node {
   std::uint8_t id = 0;
   std::string name;
-  std::string host = {};  ///< empty where the ring's file gives no hosts
+  std::string host = {};  ///< empty if the ring's file gives no hosts
 };
 
 /// What a daemon has answered, or why it has not.
 template <class T>
 struct Told {
   std::optional<T> said;
-  std::string why_not;      ///< empty where it has answered, or was not asked: it is frozen
+  std::string why_not;      ///< empty if it has answered, or was not asked: it is frozen
   bool unreadable = false;  ///< it has answered what is none
 };
 using Answer = Told<nlohmann::json>;
@@ -48,7 +48,7 @@ class RingClient {
   /// The same of one of them.
   ToldRow status_of(std::size_t node, Deadline deadline);
 
-  /// null where it is not connected.
+  /// null if it is not connected.
   HostPort* port(std::size_t node);
 
   /// As it is connected to; may be called by several threads.

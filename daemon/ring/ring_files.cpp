@@ -121,29 +121,29 @@ bool is_held(const process::UniqueFd& file) {
   return ::fcntl(file.get(), F_OFD_GETLK, &whole_file) == 0 && whole_file.l_type != F_UNLCK;
 }
 
-/// @throw std::system_error where that cannot be known
+/// @throw std::system_error if that cannot be known
 bool is_held(const fs::path& lock) {
   const process::UniqueFd file = process::open_regular(lock);
   if (!file.valid() && process::is_shortage(errno)) process::throw_errno("cannot look at " + lock.string());
   return file.valid() && is_held(file);
 }
 
-/// The daemon that listens at a node's host port. Where its lock file was removed, as by a cleaner of temporary files,
+/// The daemon that listens at a node's host port. If its lock file was removed, as by a cleaner of temporary files,
 /// it lives all the same, and makes the file again within a second: for a moment that is there and not locked. @return
-/// -1 where none listens
+/// -1 if none listens
 pid_t listening_at(const std::string& socket) {
   const process::UniqueFd connection = process::connect_unix(socket);
   return connection.valid() && process::is_of_our_user(connection.get()) ? process::peer_of(connection.get()).pid : -1;
 }
 
-/// Why a lock file that could not be opened does not tell who holds it; empty where there is none.
+/// Why a lock file that could not be opened does not tell who holds it; empty if there is none.
 std::string why_untold(const fs::path& lock, int error) {
   const std::string other = process::why_not_regular(lock);
   if (!other.empty() || error == ENOENT) return other;
   return "cannot look at " + lock.string() + ": " + std::strerror(error);
 }
 
-/// The number that is the whole of this line; -1 where something else has been written into the file ("10:16:33 ...").
+/// The number that is the whole of this line; -1 if something else has been written into the file ("10:16:33 ...").
 pid_t pid_in(const std::string& line) {
   const pid_t pid = config::are_digits(line, 9) ? std::stoi(line) : -1;
   return pid > 1 ? pid : -1;
@@ -159,7 +159,7 @@ std::vector<std::string> rest_of(std::istream& file) {
   return rest;
 }
 
-/// Whether that process may be this daemon: the kernel adds " (deleted)" where its program was replaced. Where the
+/// Whether that process may be this daemon: the kernel adds " (deleted)" where its program was replaced. If the
 /// daemon is in another pid namespace, as in a container, its number here may be that of another ring's daemon.
 bool may_be(pid_t pid, const Holder& daemon) {
   const std::string folder = "/proc/" + std::to_string(pid);
@@ -169,7 +169,7 @@ bool may_be(pid_t pid, const Holder& daemon) {
   if (!unknown && runs != daemon.program && runs != daemon.program + " (deleted)") return false;
   std::ifstream command(folder + "/cmdline");
   std::string called;
-  std::getline(command, called, '\0');  // empty where the process is ending
+  std::getline(command, called, '\0');  // empty if the process is ending
   return called.empty() || rest_of(command) == daemon.arguments;
 }
 

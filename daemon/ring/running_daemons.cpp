@@ -223,7 +223,7 @@ void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
   const process::UniqueFd output = process::open_regular(log, O_WRONLY | O_CREAT | O_APPEND);
   if (!output.valid()) throw NotDone("cannot write " + log + ": " + process::why_not_opened(log));
   process::Child daemon(process::spawn(as_last_time(last, output.get())), last.program);
-  // Where it has ended and the node runs all the same, somebody else has started it.
+  // If it has ended and the node runs all the same, somebody else has started it.
   const auto in_vain = [&] { return (daemon.reap() || daemon.ended()) && !holder(id).held; };
   const bool in_time = wait_for([&] { return has_joined(id) || in_vain(); }, patience);
   if (in_vain()) {

@@ -17,7 +17,7 @@
 namespace limb_ring::live {
 
 /// The daemons of one ring on this host: they are asked through their host ports, signalled, and started again.
-/// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong, HostPortError where its daemon
+/// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong, HostPortError if its daemon
 /// is not there
 class RunningDaemons {
  public:
@@ -32,7 +32,7 @@ class RunningDaemons {
   Holder holder(wire::NodeId node) const { return holder_of(folder_, node); }
   bool is_frozen(wire::NodeId node) const;
 
-  /// @throw HostPortError where its daemon does not
+  /// @throw HostPortError if its daemon does not
   void require_runs(wire::NodeId node) const;
   HostPort connect(wire::NodeId node) const;
   nlohmann::json ask(wire::NodeId node, const nlohmann::json& request) const;
@@ -49,7 +49,7 @@ class RunningDaemons {
   /// On a virtual ring the following four are done to the node in the simulation.
   /// SIGKILL; gone when this returns.
   void kill(wire::NodeId node) const;
-  /// SIGSTOP and SIGCONT, of the daemon alone: its CPU goes on.
+  /// SIGSTOP and SIGCONT, only for the daemon: its CPU goes on.
   void freeze(wire::NodeId node) const;
   /// It can be asked again when this returns, unless that takes it more than a few seconds.
   void thaw(wire::NodeId node) const;
@@ -59,7 +59,7 @@ class RunningDaemons {
   /// As if its power went off and on; same pid. Then as wait_for_hello(); NotDone at once where the daemon ends
   /// instead.
   void power_cycle(wire::NodeId node) const;
-  /// Returns when the node has said hello. @throw NotDone where it has not within `patience`, or its daemon has ended
+  /// Returns when the node has said hello. @throw NotDone if it has not within `patience`, or its daemon has ended
   void wait_for_hello(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
 
  private:

@@ -31,13 +31,13 @@ const status::Heard* lately_heard_in(const status::NodeRow& row, std::uint8_t no
 const status::Heard* lately_heard(const Rows& rows, std::uint8_t node);
 
 /// A node with a daemon on this host whose packets arrive at `target`, as its beacons do: in an open chain one before
-/// it, round a fold one of its part. Nothing where the target's daemon does not answer here, or hears no such node.
+/// it, round a fold one of its part. Nothing if the target's daemon does not answer here, or hears no such node.
 std::optional<std::uint8_t> who_reaches(const Rows& rows, std::uint8_t target);
 
 /// The name of a node, or its id where it is none of these.
 std::string name_of(const std::vector<Node>& nodes, std::uint8_t id);
 
-/// A counter of a node's daemon that grows only where something goes wrong. (ours)
+/// A counter of a node's daemon that grows only if something goes wrong. (ours)
 struct ErrorCounter {
   /// What is to be looked at: the line into the node, the line out of it, or the node itself.
   enum class Of : std::uint8_t { input, output, node } of;

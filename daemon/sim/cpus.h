@@ -146,7 +146,7 @@ class Senders {
   void begin(const Send& send);
   /// Sends the largest packets to all at the highest priority, one each `every` (0: default), until `over`.
   void babble(NodeId from, core::Duration every, std::function<bool()> over);
-  /// All zero where nothing of that name was sent yet.
+  /// All zero if nothing of that name was sent yet.
   const Tally& tally(const std::string& name) const;
 
   /// To be called for each event of the ring.

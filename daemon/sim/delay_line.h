@@ -38,7 +38,7 @@ class DelayLine {
 
   Duration delay() const { return delay_; }
   bool empty() const { return count_ == 0; }
-  /// When the next one arrives, kNever where none is under way.
+  /// When the next one arrives, kNever if none is under way.
   Time next() const { return empty() ? core::kNever : slots_[first_].at; }
   /// What leaves at `now`; takes `slices`, and leaves an empty one in its place.
   void put(Time now, NodeId from, NodeId to, std::uint64_t epoch, core::Line line, wire::SliceWriter& slices) {

@@ -280,7 +280,7 @@ void InputChecker::check_insertion(NodeId node, Time now) {
   if (now < record_.settled_from || n.dropped_until == now || n.settings.byte_time_out > n.settings.byte_time_in)
     return;
   if (n.forwarding.bytes() <= kNormal || lines_differ(n.settings)) return;
-  // What came in more than a worst lap ago and has not left was dropped, as is what comes where there is no output.
+  // What came in more than a worst lap ago and has not left was dropped, as is what comes if there is no output.
   const Time since = std::max(now - n.settings.worst_lap(), n.dropped_until + core::Duration{1});
   const std::size_t bytes = n.forwarding.bytes_since(since);
   if (bytes > kNormal)

@@ -12,7 +12,7 @@ namespace limb_ring::scenario {
 ///        ring's file
 Scenario load_scenario(const std::string& path);
 
-/// The same for YAML in memory. `name` stands for the file, also where a ring's file is looked for beside it.
+/// The same for YAML in memory. `name` stands for the file, also if a ring's file is looked for beside it.
 /// @throw config::ConfigError
 Scenario parse_scenario(const std::string& text, const std::string& name);
 

@@ -12,11 +12,11 @@
 
 namespace limb_ring::sim {
 
-/// What a line is taken for where nothing else is said. (ours)
+/// What a line is taken for if nothing else is said. (ours)
 constexpr std::uint64_t kUsualRate = 1'000'000'000;        ///< bit/s
 constexpr std::chrono::nanoseconds kUsualRelayDelay{512};  ///< d: line and node
 
-/// Rate and delay for lines of which the file gives no rate.
+/// Rate and delay for lines without a rate in the file.
 /// @param rate bit/s @return the ring with every line's rate given
 config::RingConfig with_assumed_lines(config::RingConfig ring, std::uint64_t rate, std::chrono::nanoseconds delay);
 /// Whether there is a line without a rate.
@@ -49,7 +49,7 @@ class RingCapture : public Observer {
 
   VirtualRing& ring_;
   capture::PcapngWriter writer_;
-  std::vector<capture::PacketAssembler> inputs_, outputs_;  ///< by node; outputs_ empty where not looked at
+  std::vector<capture::PacketAssembler> inputs_, outputs_;  ///< by node; outputs_ empty if not looked at
 };
 
 /// The nodes' names by their ids, as the ring's file has them.

@@ -95,7 +95,7 @@ class Run {
     }
   }
 
-  /// What has to hold at every poll. @return true where it does
+  /// What has to hold at every poll. @return true if it does
   bool watch() {
     if (result_.unmet) return false;
     if (++polls_ % kPollsBetween == 0) goes_on_();
@@ -108,7 +108,7 @@ class Run {
     return true;
   }
 
-  /// @return false where something did not hold on the way
+  /// @return false if something did not hold on the way
   bool go_to(Duration until) {
     if (stage_.exact() && until < stage_.now()) return fail("a step that is in time", "it was later already");
     stage_.run_until([this] { return !watch(); }, until, "waiting for the next step");
@@ -212,7 +212,7 @@ std::string state_words(NodeId id, const StageView& view) {
   return view.name(id) + " is " + to_string(view.state(id)) + ", in a ring of " + std::to_string(view.ring_size(id));
 }
 
-/// Of nobody it does not hold: where no node lives, nothing has been seen.
+/// Of nobody it does not hold: if no node lives, nothing has been seen.
 bool holds_now(const NodeIs& node, const StageView& view) {
   const std::vector<NodeId> nodes = those(node.who, view);
   for (const NodeId id : nodes)

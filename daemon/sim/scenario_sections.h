@@ -34,7 +34,7 @@ Limit read_limit(const config::Entry& entry);
 /// `A -> B`, two nodes that follow each other in the ring. @throw config::ConfigError
 Located read_line(const config::Entry& entry);
 
-/// `{wire: {cut: A -> B}}` and its like; nothing where it is none of them. @throw config::ConfigError
+/// `{wire: {cut: A -> B}}` and its like; nothing if it is none of them. @throw config::ConfigError
 std::optional<SoakAction> read_soak_action(const config::Member& action, const fault::RingNodes& nodes);
 /// All keys that read_soak_action() knows.
 std::vector<std::string> soak_words();

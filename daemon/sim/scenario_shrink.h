@@ -32,7 +32,7 @@ std::string in_words(const ScenarioSize& size);
 /// Both miss the same expectation in the same way. Numbers are ignored: counters and times differ in a smaller ring.
 bool alike(const Unmet& one, const Unmet& other);
 
-/// Far more than any failure has needed so far but one, of which no end was seen: everything in it mattered.
+/// Far more runs than failures have needed so far. One exception had not ended by then: everything in it mattered.
 constexpr std::size_t kMostShrinkingRuns = 5000;
 
 /// Which scenario shrink() is to make smaller, and how hard to try.

@@ -18,7 +18,7 @@ class SoakStage final : public ModelStage {
   /// @param scenario outlives this
   SoakStage(const Scenario& scenario, std::uint64_t seed);
 
-  /// Its CPUs are no programs, so that few of their faults mean anything.
+  /// Its CPUs are not programs, so that few of their faults mean anything.
   static bool can(const Fault& fault);
 
   std::optional<Failure> begin() override { return std::nullopt; }

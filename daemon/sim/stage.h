@@ -16,7 +16,7 @@
 
 namespace limb_ring::scenario {
 
-/// What happened, for people; where programs are to know it, too, its kind and node as fields.
+/// What happened, for people; if programs are to know it, too, its kind and node as fields.
 struct Note {
   std::string words;
   std::string event;  ///< cpu_ended, cpu_does_not_answer, cpu_lets_no_time_pass; empty: for people only
@@ -37,9 +37,9 @@ class StageView {
   /// The last beacon of `of` that `by` has heard, its nodes as places; nothing if none. Only the CPU's state and
   /// boots, and the break, are used.
   virtual std::optional<wire::Beacon> heard(NodeId by, NodeId of) const = 0;
-  /// By name, of core/counters.h; of the node since its last start. 0 where it is dead.
+  /// By name, of core/counters.h; of the node since its last start. 0 if it is dead.
   virtual std::uint64_t counter(NodeId id, const std::string& name) const = 0;
-  /// All zero where nothing of that name was sent yet.
+  /// All zero if nothing of that name was sent yet.
   virtual const Tally& tally(const std::string& send) const = 0;
 
   /// Which of the two limits counts here.
@@ -136,7 +136,7 @@ class RingStage : public Stage {
   sim::VirtualRing& ring_;
   core::Time start_{};
   Senders senders_;
-  std::optional<sim::GoalCounts> goals_;  ///< only where somebody asks
+  std::optional<sim::GoalCounts> goals_;  ///< only if somebody asks
 };
 
 /// A virtual ring as a stage whose CPUs are models, not programs: time goes on at once, and faults of lines and nodes

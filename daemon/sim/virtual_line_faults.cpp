@@ -110,7 +110,7 @@ void VirtualLineFaults::poll(NodeId id, Line line) {
   poll_later(id, line);
 }
 
-// Where both wires of a cable are cut, no word gets across: each end sees for itself that nobody is there, as a daemon
+// If both wires of a cable are cut, no word gets across: each end sees for itself that nobody is there, as a daemon
 // sees it by its connection.
 void VirtualLineFaults::cut_line(NodeId id, Line line) {
   ring_.cut(id, line);

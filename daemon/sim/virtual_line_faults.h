@@ -87,9 +87,9 @@ void run_until_calm(
     VirtualRing& ring, const Invariants& invariants, const std::uint64_t& traffic,
     const std::function<bool()>& asked_to_stop = [] { return false; });
 
-/// All was mended some time ago: nothing where all nodes are up in a ring of them all.
+/// All was mended some time ago: nothing if all nodes are up in a ring of them all.
 std::optional<Violation> not_whole(VirtualRing& ring);
-/// Traffic has ended long ago: whatever still goes round, and is no beacon, would do so for ever.
+/// Traffic has ended long ago: whatever still goes round, and is not a beacon, would do so for ever.
 /// @param slices of traffic that were seen since
 std::optional<Violation> not_silent(const VirtualRing& ring, std::uint64_t slices);
 

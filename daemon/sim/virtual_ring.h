@@ -91,7 +91,7 @@ class VirtualRing {
                      std::uint8_t channel = 0);
   std::uint32_t interrupt(NodeId id, NodeId destination, std::uint8_t factor);
   std::uint32_t pull(NodeId id, unsigned input);
-  /// Its CPU takes the next packet that waits for it. @return false where there is none
+  /// Its CPU takes the next packet that waits for it. @return false if there is none
   bool take(NodeId id, core::ReceivedPacket& packet);
   /// The CPU of node `id` is reset: its sends end, its receive buffers are emptied.
   void reset_cpu(NodeId id);
@@ -102,7 +102,7 @@ class VirtualRing {
   bool cpu_reads(NodeId id) const { return nodes_[id].cpu_reads; }
   /// Its sends end cancelled.
   void cancel(NodeId id);
-  /// The end of that send; null where it has not ended.
+  /// The end of that send; null if it has not ended.
   const core::SendEnded* ended(NodeId id, std::uint32_t token) const;
 
   /// Does `action` at that instant, before any node decides what to put onto its line in it.
@@ -112,11 +112,11 @@ class VirtualRing {
   /// When something happens next, as far as is known; kNever: nothing will.
   Time next_instant() const;
   void run_for(Duration duration) { run_until(now_ + duration); }
-  /// Runs until `done`, checked after every instant. @return false where `limit` was reached first
+  /// Runs until `done`, checked after every instant. @return false if `limit` was reached first
   bool run_until(const std::function<bool()>& done, Duration limit);
   /// Runs until every living node has joined.
   /// @param asked_to_stop asked once in each millisecond of the ring's time; true: it runs no longer
-  /// @return false where 10 s were not enough, or it was asked to stop
+  /// @return false if 10 s were not enough, or it was asked to stop
   bool join(const std::function<bool()>& asked_to_stop = [] { return false; });
 
   /// The node's process ends; its neighbours bypass it, or the line is left open.
@@ -137,7 +137,7 @@ class VirtualRing {
   /// before that, what was lost is a gap. @pre the ring folds back, for the second
   void cut(NodeId id, Line line = Line::first);
   void heal(NodeId id, Line line = Line::first);
-  /// Where the ring folds back: the cable between `id` and the node after it, which is a wire of each
+  /// If the ring folds back: the cable between `id` and the node after it, which is a wire of each
   /// line, and of which both ends learn at once.
   void cut_cable(NodeId id);
   void heal_cable(NodeId id);

@@ -293,7 +293,7 @@ CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, const 
 
 namespace {
 
-// Nothing is lost in a case, so nothing is to be sent again. Where packets are long beside the relay delay, INTPs take
+// Nothing is lost in a case, so nothing is to be sent again. If packets are long beside the relay delay, INTPs take
 // so much of the lines that a DATP needs longer than two worst laps, which have one INTP for each node.
 sim::VirtualRingOptions without_time_outs(const Medium& medium) {
   sim::VirtualRingOptions options = ring_options(medium);

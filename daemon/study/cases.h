@@ -43,7 +43,7 @@ struct CaseResult {
 };
 
 /// Who hears of a case: where it writes what happens on its lines, and whom it tells that it goes on. Streams are null
-/// where nobody wants to read that.
+/// if nobody wants to read that.
 struct CaseRecords {
   std::ostream* trace = nullptr;    ///< lines of text (sim/trace.h)
   std::ostream* capture = nullptr;  ///< packets, as pcapng

@@ -41,7 +41,7 @@ namespace limb_ring::study {
 /// meets no other limit. (ours)
 sim::VirtualRingOptions ring_options(const Medium& medium);
 
-/// Runs until every living node has joined. @throw std::runtime_error where the ring does not close
+/// Runs until every living node has joined. @throw std::runtime_error if the ring does not close
 void join(sim::VirtualRing& ring);
 
 /// The same, and until the line is quiet again.
@@ -59,7 +59,7 @@ inline Duration interrupt_time(const Medium& medium) {
   return medium.byte_time() * static_cast<std::int64_t>(wire::kInterruptPacketSize);
 }
 
-/// A DATP, from the start of sending until its tail is in so many hops further, where no INTP is under
+/// A DATP, from the start of sending until its tail is in so many hops further, if no INTP is under
 /// way: h (T + d).
 inline Duration data_bound(const Medium& medium, unsigned hops) {
   return hops * (packet_time(medium) + medium.relay_delay);
@@ -86,7 +86,7 @@ class Latencies {
     sorted_ = false;
   }
   std::size_t count() const { return values_.size(); }
-  /// @name Zero where there is none.
+  /// @name Zero if there is none.
   ///@{
   Duration min() const { return quantile(0); }
   Duration max() const { return quantile(1); }

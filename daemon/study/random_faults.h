@@ -33,7 +33,7 @@ class RandomFaults {
 
   /// Runs it all, or until a promise is broken.
   /// @param asked_to_stop asked many times, whatever the ring is at
-  /// @return false where it said so: then the run has not ended, and nothing was judged at its end
+  /// @return false if it said so: then the run has not ended, and nothing was judged at its end
   bool run(std::function<bool()> asked_to_stop = [] { return false; });
   /// Another future: from that instant on, which is not over, all is drawn by another seed. @pre the usual world
   void draw_anew(core::Time from, std::uint64_t seed) {
@@ -115,7 +115,7 @@ class RandomFaults {
   const std::vector<int> drifts_;  ///< by id; empty: all clocks are right
   sim::VirtualRing ring_;
   sim::Invariants invariants_;
-  std::optional<sim::GoalCounts> goals_;  ///< only where somebody asks
+  std::optional<sim::GoalCounts> goals_;  ///< only if somebody asks
   sim::VirtualLineFaults lines_;
   SoakHistory history_;
   bool quiet_ = false;

@@ -102,7 +102,7 @@ class Laps {
 };
 
 /// One stream as seen by the unit of Transmit that sends it: a message is `jobs` packets asked for
-/// at once, each of which holds the unit for a lap.
+/// at once; each packet holds the unit for a lap.
 struct Contender {
   unsigned rank = 0;    ///< smaller goes first
   unsigned jobs = 1;    ///< packets in a message
@@ -140,7 +140,7 @@ struct Response {
 /// Within a priority everything that comes until the last packet starts is counted, not only what
 /// came before the request: large messages are fed in packet by packet and so interleave. (ours)
 /// @param ahead of a unit that was idle: until the line is its own
-/// @return nothing where the wait has no bound below `limit`
+/// @return nothing if the wait has no bound below `limit`
 std::optional<Response> worst_response(const std::vector<Contender>& contenders, std::size_t which, Duration ahead,
                                        Duration limit);
 

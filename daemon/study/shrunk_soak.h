@@ -23,12 +23,12 @@ std::string scenario_of(const RandomFaults& run, std::uint64_t seed);
 std::string scenario_of(const RandomFaults& run, std::uint64_t seed, const std::vector<std::size_t>& steps);
 
 /// What a seed has done until a promise was broken, as a story whose cause can be looked for. In futures above 1 all is
-/// drawn by other seeds. @pre as scenario_of() @return nothing where the scenario does not fail as the seed did
+/// drawn by other seeds. @pre as scenario_of() @return nothing if the scenario does not fail as the seed did
 std::unique_ptr<scenario::Story> story_of(const RandomFaults& run, std::uint64_t seed, FoldingRings folding);
 
 /// scenario_of() made as small as possible: fewer steps first, then fewer nodes, then as scenario::shrink() does.
 /// @param tell called after each run, with their number; throws to end it all
-/// @return nothing where the scenario does not fail as the seed did
+/// @return nothing if the scenario does not fail as the seed did
 std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64_t seed,
                                             const std::function<void(std::size_t runs)>& tell);
 

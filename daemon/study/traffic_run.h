@@ -40,7 +40,7 @@ struct TrafficOptions {
 std::vector<StreamRun> run_traffic(const config::RingConfig& ring, const std::vector<Stream>& streams,
                                    const TrafficOptions& options);
 
-/// Whether a run kept the plan's promise: every message delivered, none later than its bound. Where there
+/// Whether a run kept the plan's promise: every message delivered, none later than its bound. If there
 /// is no bound, nothing was promised.
 bool kept(const StreamPlan& plan, const StreamRun& run);
 
@@ -54,7 +54,7 @@ struct ExpectedLosses {
   Duration timeout{0};   ///< of a try: so much later comes each further one
 };
 
-/// @return nothing where no line is expected to lose anything
+/// @return nothing if no line is expected to lose anything
 std::optional<ExpectedLosses> expected_losses(const config::RingConfig& ring);
 
 /// Seconds, on average, until a line falls silent though it is whole: all signs of life within `timeouts.silence` are
@@ -68,7 +68,7 @@ config::milliseconds advised_silence(const config::Timeouts& timeouts, double lo
 /// Time-outs that are too short for what is expected of the lines, a sentence each.
 std::vector<std::string> short_timeouts(const config::RingConfig& ring);
 
-/// All of this for people; empty where nothing is expected of any line.
+/// All of this for people; empty if nothing is expected of any line.
 std::string expected_words(const config::RingConfig& ring);
 
 }  // namespace limb_ring::study

@@ -23,7 +23,7 @@ struct CaptureComparison {
 CaptureComparison compare(PcapngReader& first, PcapngReader& second,
                           const std::function<void(std::uint64_t)>& goes_on = {});
 
-/// "time, bytes from 8": what of them differs; empty where nothing does. @pre both are packets, or both events
+/// "time, bytes from 8": what of them differs; empty if nothing does. @pre both are packets, or both events
 std::string difference(const PcapngReader::Record& first, const PcapngReader::Record& second);
 
 }  // namespace limb_ring::capture

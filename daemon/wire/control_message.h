@@ -138,7 +138,7 @@ struct Beacon {
   }
 };
 
-/// After so many missed beacons, or repeated fold words, their sender is gone, or beyond a second break. (ours)
+/// After this many missed beacons, or repeated fold words, their sender is gone, or beyond a second break. (ours)
 constexpr int kMissedBeacons = 5;
 
 /// What nodes of a ring that folds back tell each other, in slices of their own between packets.
@@ -180,10 +180,10 @@ std::size_t encode(const Hello& hello, std::uint8_t* out);
 std::size_t encode(const Beacon& beacon, std::uint8_t* out);
 void put(SliceWriter& line, FoldWord word);
 
-/// @return nothing where the bytes are no such message
+/// @return nothing if the bytes are no such message
 std::optional<Hello> decode_hello(ByteView data);
 std::optional<Beacon> decode_beacon(ByteView data);
-/// @return nothing if the slice is no fold word, is damaged, or has an unknown kind
+/// @return nothing if the slice is not a fold word, is damaged, or has an unknown kind
 std::optional<FoldWord> fold_word(const Slice& slice);
 
 /// Whether a beacon says something that other nodes tell their CPUs at once.

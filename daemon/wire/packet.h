@@ -104,7 +104,7 @@ struct PacketFields {
   bool crc_good() const { return crc32(bytes.first(bytes.size - kCrcSize)) == crc(); }
 };
 
-/// True where the four header bytes can begin a packet of that kind.
+/// True if the four header bytes can begin a packet of that kind.
 inline bool header_valid(ByteView header, bool interrupt) {
   return code_of(header[field::kCode]).interrupt == interrupt && header[field::kSop] == kSop &&
          header[field::kSource] != kBroadcast;

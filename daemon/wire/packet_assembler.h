@@ -26,7 +26,7 @@ struct PacketView {
 /// Puts the packets of one line together again from its slices: slices and time go in, packets come
 /// out, each in the instant of its last slice. Knows no IO and no clock.
 ///
-/// Slices of a packet whose beginning was not seen are passed over: looking may begin inside one.
+/// Slices of a packet whose beginning was not seen are ignored: observing may begin inside a packet.
 class PacketAssembler {
  public:
   using Sink = std::function<void(const PacketView&)>;
@@ -64,7 +64,7 @@ struct SeenPacket {
   std::uint8_t hop = 0;
   wire::NodeId source{0};
   std::uint16_t size = 0;  ///< bytes, header to CRC
-  /// The trailer's; nothing where the packet broke off before it.
+  /// The trailer's; nothing if the packet broke off before it.
   struct Trailer {
     std::uint8_t fbc = 0;
     wire::NodeId destination{0};

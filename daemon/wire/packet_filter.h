@@ -41,7 +41,7 @@ class Selection {
  public:
   explicit Selection(const Choice& choice) : choice_(choice) {}
 
-  /// Whether the observer gets this packet; where not, the reason is counted.
+  /// Whether the observer gets this packet; if not, the reason is counted.
   bool takes(const PacketView& packet);
   /// What became of one that was taken.
   void given() {

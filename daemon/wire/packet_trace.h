@@ -13,13 +13,13 @@ namespace limb_ring::capture {
 struct Hop {
   wire::NodeId node{0};
   unsigned unseen = 0;  ///< nodes between the one before (or the source) and this one that the capture does not show
-  std::optional<SeenPacket> in, out;  ///< nothing where it was not seen there
+  std::optional<SeenPacket> in, out;  ///< nothing if it was not seen there
   /// On the node's line out between its coming in and its going out, in the order of that line.
   std::vector<SeenPacket> behind;
   /// INTPs that were on the line out inside of it.
   std::vector<SeenPacket> cut_by;
 
-  /// From its first slice in to its first slice out; nothing where one of them is missing, or at home.
+  /// From its first slice in to its first slice out; nothing if one of them is missing, or at home.
   std::optional<std::chrono::nanoseconds> waited() const;
 };
 
@@ -56,7 +56,7 @@ struct PacketTrace {
   /// First slice of its first try.
   std::chrono::nanoseconds sent() const { return earlier.empty() ? began : earlier.front().began; }
   std::chrono::nanoseconds waited() const;  ///< at all nodes, as far as known
-  /// From its first slice out of the node before to its first slice into that hop; nothing where one is missing. Of a
+  /// From its first slice out of the node before to its first slice into that hop; nothing if one is missing. Of a
   /// living ring that is also the time in which the node's process was not running.
   std::optional<std::chrono::nanoseconds> on_line(std::size_t hop) const;
 };
@@ -93,11 +93,11 @@ class EarlierTries {
  public:
   /// One try of a packet.
   struct Try {
-    SeenPacket seen;  ///< the sighting that shows most of it: with its trailer, where there is one
+    SeenPacket seen;  ///< the sighting that shows most of it: with its trailer, if there is one
     std::chrono::nanoseconds began{0}, ended{0};  ///< first slice of its first sighting, last slice of its last
     TripEnd end = TripEnd::not_home;
   };
-  /// The try before this one, as an index into the order of these calls; nothing where it is the first.
+  /// The try before this one, as an index into the order of these calls; nothing if it is the first.
   std::optional<std::size_t> before(const Try& now);
 
  private:

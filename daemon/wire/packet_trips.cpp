@@ -44,7 +44,7 @@ class Sorter {
     trips_.push_back({{i}});
   }
 
-  /// The one that was seen nearest before it, the youngest of several; none where it is the first.
+  /// The one that was seen nearest before it, the youngest of several; none if it is the first.
   Open* nearest(std::vector<Open>& of_code, const SeenPacket& packet) {
     Open* best = nullptr;
     for (Open& one : of_code)

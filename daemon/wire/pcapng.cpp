@@ -52,7 +52,7 @@ std::string printable(std::string text) {
   return text;
 }
 
-/// The whole number that this text is; nothing where it is none, or above 255.
+/// The whole number that this text is; nothing if it is none, or above 255.
 std::optional<wire::NodeId> id_in(const std::string& text) {
   std::uint8_t id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
@@ -203,7 +203,7 @@ std::int64_t PcapngReader::time_ns(const Interface& interface) const {
   return static_cast<std::int64_t>(time);
 }
 
-// Whoever wrote the packet has noted whether its CRC was right. Where it is not so now, the packet or the note was
+// Whoever wrote the packet has noted whether its CRC was right. If it is not so now, the packet or the note was
 // changed in the file.
 void PcapngReader::check_crc(CapturedPacket& packet) {
   if (packet.info.aborted || packet.info.truncated) return;

@@ -77,7 +77,7 @@ class PcapngWriter {
   /// @param comment that Wireshark shows with it
   void packet(std::int64_t time_ns, const CaptureInfo& info, wire::ByteView bytes, std::uint32_t lost_before = 0,
               const std::string& comment = {});
-  /// Something that happened at a node and is no packet: a fault, a reset, a change of state.
+  /// Something that happened at a node and is not a packet: a fault, a reset, a change of state.
   void event(std::int64_t time_ns, wire::NodeId node, const std::string& what);
 
  private:
@@ -90,12 +90,12 @@ class PcapngWriter {
   std::map<Line, std::uint32_t> interfaces_;
 };
 
-/// This is no capture of a ring; what() names the file, where in it, and what is wrong.
+/// This is not a capture of a ring; what() names the file, where in it, and what is wrong.
 struct CaptureFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Something that happened at a node and is no packet.
+/// Something that happened at a node and is not a packet.
 struct CapturedEvent {
   std::int64_t time_ns = 0;
   wire::NodeId node{0};
@@ -196,7 +196,7 @@ inline PseudoHeader encode(const CaptureInfo& info) {
   return bytes;
 }
 
-/// @pre bytes.size >= kPseudoHeaderSize. @return false where it is of another version
+/// @pre bytes.size >= kPseudoHeaderSize. @return false if it is of another version
 inline bool decode(wire::ByteView bytes, CaptureInfo& info) {
   for (std::size_t bit = 0; bit < kFlagBits.size(); ++bit) info.*kFlagBits[bit] = (bytes[1] >> bit & 1) != 0;
   info.from = bytes[2];
@@ -211,7 +211,7 @@ inline bool decode(wire::ByteView bytes, CaptureInfo& info) {
 /// A capture file that stays open while it is read.
 class CaptureFile {
  public:
-  /// @param path "-": standard input @throw CaptureFileError where it cannot be read, or is no capture
+  /// @param path "-": standard input @throw CaptureFileError if it cannot be read, or is not a capture
   explicit CaptureFile(const std::string& path);
   CaptureFile(const CaptureFile&) = delete;
   CaptureFile& operator=(const CaptureFile&) = delete;

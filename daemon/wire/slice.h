@@ -38,12 +38,12 @@ constexpr std::size_t kSliceMagicAt = 0, kSliceKindAt = 1, kSliceSizeAt = 2;
 constexpr std::uint8_t kSliceMagic = 0xA7;
 constexpr std::size_t kMaxSliceSize = kSliceHeaderSize + kMaxDataPacketSize;
 
-/// True where `size` is one that `kind` may have.
+/// True if `size` is one that `kind` may have.
 bool slice_size_fits(SliceKind kind, std::size_t size);
 
 /// Reads one slice from the front of `bytes`.
 /// @return `consumed` bytes were used and `slice` points into `bytes`; `incomplete`: more bytes
-///         are needed; `malformed`: this is no slice, and what follows cannot be trusted.
+///         are needed; `malformed`: this is not a slice, and what follows cannot be trusted.
 struct SliceParse {
   enum class Status { slice, incomplete, malformed } status;
   Slice slice;

@@ -10,7 +10,7 @@ namespace limb_ring::capture {
 /// Shows why a packet was late: takes the packets captured on a ring's lines, and gives the path of each. Knows no IO
 /// and no clock; the times are the capture's, of a live ring or a virtual one. (ours)
 ///
-/// What a packet waited for can only be told where both inputs and outputs were captured. Where nodes
+/// What a packet waited for can only be told where both inputs and outputs were captured. If nodes
 /// are on hosts whose clocks differ, their waits are wrong by as much.
 class TracedRing {
  public:
@@ -23,7 +23,7 @@ class TracedRing {
   std::size_t trips() const { return trips_.size(); }
   const SeenPacket& first(std::size_t trip) const { return packets_[trips_[trip].seen.front()]; }
   const SeenPacket& last(std::size_t trip) const { return packets_[trips_[trip].seen.back()]; }
-  /// First slice of its first try to last slice home; nothing where one of them was not seen.
+  /// First slice of its first try to last slice home; nothing if one of them was not seen.
   std::optional<std::chrono::nanoseconds> round_trip(std::size_t trip) const;
   /// Its path, hop by hop.
   PacketTrace trace(std::size_t trip) const;

@@ -129,7 +129,7 @@ class JointNode {
   void at(std::chrono::nanoseconds time, std::function<void()> call);
 
   /// Runs until end() or until the daemon is gone. @return what end() was given; 1 if the daemon is gone
-  /// @throw std::logic_error if Step is missing or returns another number of joints, or values that are no numbers
+  /// @throw std::logic_error if Step is missing or returns another number of joints, or values that are not numbers
   int run();
   /// Makes run() return `code`.
   void end(int code);

@@ -26,7 +26,7 @@ inline bool is_ring_name(const std::string& name) {
 }
 
 /// The folder of one ring: `rings_directory()/RING`.
-/// @throw std::invalid_argument if that is no name of a ring
+/// @throw std::invalid_argument if that is not a name of a ring
 std::string ring_directory(const std::string& ring, const std::string& runtime = {});
 
 /// Why a folder could hold sockets or lock files of other users: "belongs to user 1001, not to this one (1000)". Empty
@@ -47,7 +47,7 @@ std::map<std::string, std::string> node_names(const std::string& directory);
 
 /// Nodes of a ring that have run here: by name, or by id if a node has no name; in the order of their ids. No daemon is
 /// asked whether it still runs: a frozen one would keep all others waiting.
-/// @throw std::invalid_argument if that is no name of a ring
+/// @throw std::invalid_argument if that is not a name of a ring
 std::vector<std::string> nodes_here(const std::string& ring, const std::string& runtime = {});
 
 /// Path of a node's socket: `DIRECTORY/NODE.host` and the like; NODE is an id or a name (ringd

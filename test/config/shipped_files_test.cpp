@@ -21,7 +21,7 @@ std::size_t joints_of(const RingConfig& ring) {
 TEST(ShippedFiles, AllLoadAndAreNamedAsTheirRing) {
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(SHIPPED_CONFIG)) {
-    // What ros_bridge's tools read is no ring.
+    // What ros_bridge's tools read is not a ring.
     if (entry.path().extension() != ".yaml" || entry.path().stem() == "analyzers") continue;
     ++files;
     EXPECT_NO_THROW(EXPECT_EQ(load_ring(entry.path().string()).ring, entry.path().stem().string()));

@@ -1,4 +1,4 @@
-// A ring is launched with daemons that are no daemons, so that what goes wrong is chosen.
+// A ring is launched with daemons that are not daemons, so that what goes wrong is chosen.
 #include "ring/launched_ring.h"
 
 #include <gmock/gmock.h>

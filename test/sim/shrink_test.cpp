@@ -108,7 +108,7 @@ steps:
   EXPECT_THAT(small->text, HasSubstr("cut: node1 -> node2"));
 }
 
-// What it misses is no expectation of the file, so every one of those could go.
+// What it misses is not an expectation of the file, so every one of those could go.
 TEST_F(Shrink, StillExpectsSomething) {
   const auto small = shrunk(R"(scenario: a step in the past
 nodes: 4

@@ -206,7 +206,7 @@ void Membership::hello_ended(const SendEnded& ended, Time now) {
   if (timers_.due(Timer::hello, now)) hello_lost(now);
 }
 
-// Where a line damages every packet, a hello is lost within a lap. Said again at once, those of all nodes would take
+// If a line damages every packet, a hello is lost within a lap. Said again at once, those of all nodes would take
 // the whole ring, and INTPs would wait among them. (ours, protocol.md section 8.1)
 void Membership::hello_lost(Time now) {
   timers_.stop(Timer::hello);

@@ -81,7 +81,7 @@ class Membership {
   /// @name Packets
   ///@{
   /// A control packet of another node, before Receive decides on it.
-  /// @return false where it is of an earlier incarnation of its source, and says nothing
+  /// @return false if it is of an earlier incarnation of its source, and says nothing
   bool heard(const wire::PacketFields& packet, Time now);
   /// True for a retry of a source that has not been heard since this node started: the node may have taken its first
   /// try before that start. The source may not know of the start if it was in the other part of a ring that was broken
@@ -104,7 +104,8 @@ class Membership {
   void own_seen(const wire::PacketFields& packet, bool matched, Time now);
   /// True if an own packet that came home with that HOP shows that two parts of a ring have grown together. Nodes of
   /// the other part may have missed hellos, so their verdict may be on an older packet with the same number. One node
-  /// more is no merger: it was alone, has forgotten everything and says hello itself. (ours, protocol.md section 4.10)
+  /// more is not a merger: it was alone, has forgotten everything and says hello itself. (ours, protocol.md
+  /// section 4.10)
   bool has_merged(std::uint8_t hop, Time now) const {
     if (merged_ || ring_size_ == 0 || hop <= ring_size_) return merged_;
     return settings_.several_hosts || (settings_.fold_back && now < fold_.over);

@@ -31,7 +31,7 @@ class KnownBreak {
 
   /// The line from `before` into this node counts as broken.
   void found(NodeId before) { set(before, id_); }
-  /// A beacon of another node came. @return true where it tells of a break that is believed
+  /// A beacon of another node came. @return true if it tells of a break that is believed
   bool heard(const wire::Beacon& beacon, NodeId source) {
     if (!beacon.break_known || beacon.break_behind != source || is_own()) return false;
     set(beacon.break_before, beacon.break_behind);
@@ -92,7 +92,7 @@ class Peers {
  public:
   const Peer& operator[](wire::NodeId node) const { return peers_[node]; }
 
-  /// @return true where the boot number is another than the one known (or the first)
+  /// @return true if the boot number is another than the one known (or the first)
   bool heard_hello(wire::NodeId node, std::uint8_t hop, const wire::Hello& hello, Time now) {
     Peer& peer = peers_[node];
     const bool is_new = !peer.known || peer.boot != hello.boot;
@@ -100,7 +100,7 @@ class Peers {
     return is_new;
   }
 
-  /// @return true where it says something new of CPU, links or break, or is the first of its boot number
+  /// @return true if it says something new of CPU, links or break, or is the first of its boot number
   bool heard_beacon(wire::NodeId node, std::uint8_t hop, const wire::Beacon& beacon, Time now) {
     Peer& peer = peers_[node];
     const bool news = !peer.beacon_heard || wire::is_news(peer.beacon, beacon);

@@ -142,7 +142,7 @@ Time PacketManager::interrupt_place(Time since) const {
   if (!settings_.embed_interrupts) return kNever;
   const Time word = next_word(at);
   if (!open_complete() || !paced()) return word;
-  // Just before the trailer is a word boundary too, also where the trailer lags behind the words.
+  // Just before the trailer is a word boundary too, also if the trailer lags behind the words.
   const Time end = open_end_at();
   return at <= end ? std::min(word, end) : kNever;
 }

@@ -103,12 +103,12 @@ class PacketManager {
   const InsertionBuffer& insertion_buffer() const { return buffer_; }
   /// Where a DATP is to be put.
   struct Place {
-    std::uint8_t* bytes;  ///< null where there is no output: it is dropped
+    std::uint8_t* bytes;  ///< null if there is no output: it is dropped
     bool on_line;         ///< true: the line was free, and the DATP is on it already
   };
   /// A whole DATP of `size` bytes, which the caller puts there before it calls anything else.
   Place relay_whole(std::size_t size, Time now);
-  /// One that comes in piece by piece. @return where its bytes are to be put; null where there is no output
+  /// One that comes in piece by piece. @return where its bytes are to be put; null if there is no output
   std::uint8_t* relay_begin(Time now);
   /// So many more bytes are in place, and may go on.
   void relay_words(std::size_t bytes) {
@@ -117,7 +117,7 @@ class PacketManager {
   /// The last bytes are in place.
   void relay_end(std::size_t bytes, Time now);
   void relay_abort();
-  /// Where the bytes of the one that is coming in lie; null where none is, or where there is no output.
+  /// If the bytes of the one that is coming in lie; null if none is, or if there is no output.
   std::uint8_t* receiving_place() { return receiving_ ? buffer_.back().bytes.data() : nullptr; }
   ///@}
   /// An INTP, HOP and FBC already rewritten.

@@ -79,7 +79,7 @@ class Receive {
   /// The part of pass() that applies to an own packet to this node, too. @param at when its last bit is in
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
-  /// The next packet for the CPU, highest priority first. @return false where none is there yet
+  /// The next packet for the CPU, highest priority first. @return false if none is there yet
   bool take(Time now, ReceivedPacket& out) { return waiting_ != 0 && take_due(now, out); }
   std::size_t waiting() const { return waiting_; }
   /// The same of one priority, 0..3.

@@ -75,7 +75,7 @@ wire::ByteView DataUnit::start(Time now) {
   return image;
 }
 
-// The packet is back, so the slot is free; it goes again later, as a new packet. Where the receiver has restarted, its
+// The packet is back, so the slot is free; it goes again later, as a new packet. If the receiver has restarted, its
 // refusal says nothing of an earlier try.
 bool DataUnit::goes_again(Time at) {
   Job& job = outstanding();

@@ -15,7 +15,7 @@ class DataUnit final : public SendUnit {
  public:
   DataUnit(const Settings& settings, Counters& counters, EventQueue& events) : SendUnit(settings, counters, events) {}
 
-  /// @return Reject::none where it was queued; its SendEnded comes later
+  /// @return Reject::none if it was queued; its SendEnded comes later
   Reject enqueue(const SendRequest& request, Time now);
   /// Hello or beacon: a broadcast on channel 1, before everything else.
   void enqueue_control(wire::ByteView message, std::uint32_t token, Time now);
@@ -87,7 +87,7 @@ class DataUnit final : public SendUnit {
   bool goes_again(Time at) override;
   void give_out(const SendEnded& ended, Time at) override;
 
-  /// True where something waits for the line, or for its time.
+  /// True if something waits for the line, or for its time.
   bool any_waits() const { return jobs_ > (flight_.phase() == Flight::Phase::out ? 1u : 0u); }
   /// The front of `queue` waits for the line, or for its time, with no try out or to be repeated.
   bool front_waits(std::size_t queue) const { return !queues_[queue].empty() && (flight_.idle() || queue != current_); }

@@ -32,10 +32,10 @@ class Flight {
                      std::size_t data_size);
   /// Its next try goes onto the line now.
   wire::ByteView launch(Time now, Duration timeout);
-  /// True where `packet` is what was sent last: Code, DID, last field, size, and the data through
+  /// True if `packet` is what was sent last: Code, DID, last field, size, and the data through
   /// the CRC with HOP and FBC put back. (ours, protocol.md section 4.2) @pre its CRC is good
   bool is_return(const wire::PacketFields& packet) const;
-  /// A try has failed. @return false where no more are left
+  /// A try has failed. @return false if no more are left
   bool retry(Time now);
   void clear() { phase_ = Phase::idle; }
   /// archive.h

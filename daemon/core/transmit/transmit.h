@@ -16,7 +16,7 @@ class InterruptUnit final : public SendUnit {
   InterruptUnit(const Settings& settings, Counters& counters, EventQueue& events)
       : SendUnit(settings, counters, events) {}
 
-  /// @return Reject::none where it was queued; its SendEnded comes later
+  /// @return Reject::none if it was queued; its SendEnded comes later
   Reject enqueue(const InterruptRequest& request, Time now);
 
   bool has_work() const { return !queue_.empty(); }

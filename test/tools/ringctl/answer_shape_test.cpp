@@ -1,4 +1,4 @@
-// Answers of daemons of another version, or of what is no ringd: named, and never read.
+// Answers of daemons of another version, or of what is not a ringd: named, and never read.
 #include "config/node_row.h"
 
 #include <gmock/gmock.h>
