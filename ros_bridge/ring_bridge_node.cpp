@@ -10,11 +10,11 @@ constexpr const char* kHelp =
     "ring_bridge: the CPU of one node of a ring, as a ROS node. Usually started by bridge.launch:\n"
     "  roslaunch --ros-args limb_ring bridge.launch\n"
     "Usage: ring_bridge [--respawn] _PARAMETER:=VALUE ...\n"
-    "  --respawn  start it again whenever it ends, but for wrong parameters: a reset of its node kills it\n"
+    "  --respawn  restart it whenever it ends, except after wrong parameters: a reset of its node kills it\n"
     "Parameters: ~config, ~ring, ~node, ~rate, ~frames, ~clock, ~promises, ~sample_log: as the arguments of\n"
     "  bridge.launch;\n"
-    "  ~respawn: true where --respawn or roslaunch starts it again; else the answer to a reset of its node warns\n"
-    "  that nobody does\n";
+    "  ~respawn: true if --respawn or roslaunch restarts it; else the answer to a reset of its node warns that\n"
+    "  nobody restarts it\n";
 
 /// Takes the flag out of the arguments.
 bool take_flag(int& argc, char** argv, const char* flag) {
