@@ -28,8 +28,14 @@ set(LIMB_RING_SHARE ${CATKIN_PACKAGE_SHARE_DESTINATION})
 set(LIMB_RING_PYTHON ${CATKIN_GLOBAL_PYTHON_DESTINATION})
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
 # Debian's catkin puts its configuration into lib/TRIPLET for packages, and CMake looks there first. Then there is room for
-# one in share/ that finds the client library where the ROS package is not installed.
+# one in share/ that finds the client library if the ROS package is not installed.
 if(NOT CATKIN_GLOBAL_LIB_DESTINATION STREQUAL lib)
   include(cmake/export.cmake)
+  # The catkin of Debian 11 uses share/, too. Ours replaces its file there, and includes it under another name if it finds it.
+  if(catkin_VERSION VERSION_LESS 0.8.10)
+    install(CODE "set(ENV{CMAKE_INSTALL_ALWAYS} 1)")  # CMake does not replace a file that is less than a second older
+    install(FILES ${PROJECT_BINARY_DIR}/catkin_generated/installspace/limb_ringConfig.cmake
+      DESTINATION ${LIMB_RING_SHARE}/cmake RENAME limb_ring-catkin.cmake)
+  endif()
   limb_ring_install_config()
 endif()
