@@ -38,6 +38,7 @@ enum class FoldingRings { some, all };
 /// mended and such a burst comes, so that each meets a ring that is whole, or not yet; in half of them fold words are
 /// lost.
 enum class WorldKind { usual, wide, parts, storms };
+constexpr std::array<const char*, 4> kWorldNames{"usual", "wide", "parts", "storms"};  ///< by WorldKind
 /// The `silence` of a link (protocol.md section 7.4) beside the short times of these rings.
 constexpr core::Duration kNoticedWithin = std::chrono::microseconds(300);
 

@@ -52,6 +52,7 @@ class FoldBack {
   void receive(Line line, const Given& slice, Time now);
   /// What the NC gives out: it leaves at the end of the instant.
   void send(const Given& slice) { sent_.push_back(slice); }
+  void drop_sent() { sent_.clear(); }
   void carry(Time now);
   void run(Time now);
   void timers(Time now);

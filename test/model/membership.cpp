@@ -115,7 +115,8 @@ void Node::control_ended(const Send& send, Outcome outcome, Time now) {
   }
   if (lost) return hello_again(now);
   hello_out_ = false;
-  if (outcome == Outcome::unconfirmed) hello_left_ = true, hello_left_at_ = now;
+  // What waited for it waits for the line from now on; it waited itself since it was said. (protocol.md section 2.4)
+  if (outcome == Outcome::unconfirmed) hello_left_ = true, hello_left_at_ = allowed_since_ = now;
   beacons(now);
 }
 
@@ -260,16 +261,15 @@ void Node::break_known(Break known, bool own, bool folded, Time now) {
   break_is_own_ = own;
   if (folded ? own : !same && state_ != NodeState::open_chain) want_beacon();
   if (folded) return beacons(now);
-  const Time allowed_since = hello_out_ ? now_ : now;  // protocol.md section 6.4
   if (joins) {
     if (!out_.up) return;
-    allowed_since_ = allowed_since;
+    if (!hello_out_) allowed_since_ = now;  // protocol.md section 6.4
     const bool out = hello_out_ && hello_due_ == kNever;
     set_state(NodeState::open_chain, now);
     end_unconfirmed(now);
     if (!out) say_hello(false, now);
   } else if (closed()) {
-    allowed_since_ = allowed_since;
+    if (!hello_out_) allowed_since_ = now;
     want_beacon();
     set_state(NodeState::open_chain, now);
     end_unconfirmed(now);

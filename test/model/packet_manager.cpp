@@ -9,8 +9,10 @@ void Node::give(SliceKind kind, const Bytes& bytes) {
   fold_ ? fold_->send({kind, bytes}) : given[0].push_back({kind, bytes});
 }
 
-/// What waits for the output, and what is going out, is dropped. (protocol.md section 2.6)
+/// What waits for the output, what is going out, and what has gone out in this instant, is dropped. (protocol.md
+/// section 2.6)
 void Node::drop_output(Time now) {
+  fold_ ? fold_->drop_sent() : given[0].clear();
   relayed_.clear();
   relayed_interrupts_.clear();
   outgoing_.reset();
