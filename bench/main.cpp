@@ -20,7 +20,7 @@ struct Options {
   bool no_ros = false;
 };
 
-/// humanoid16.yaml as installed, or as the devel space links to it; empty where it, or the program that is its CPU, is
+/// humanoid16.yaml as installed, or as the devel space links to it; empty if it, or the program that is its CPU, is
 /// not there.
 std::string find_humanoid() {
   if (process::find_program("limb_firmware").empty()) return {};

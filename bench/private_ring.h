@@ -30,7 +30,7 @@ struct RingRequest {
 class PrivateRing {
  public:
   /// Returns when the ring is closed and its child CPUs run.
-  /// @throw std::runtime_error where it does not close, with what a daemon said last
+  /// @throw std::runtime_error if it does not close, with what a daemon said last
   PrivateRing(const Setup& setup, const RingRequest& request);
   ~PrivateRing();
   PrivateRing(const PrivateRing&) = delete;
@@ -56,7 +56,7 @@ class PrivateRing {
 /// what came (up to 64 KiB) and writing it downstream, blocking, with no protocol. The packets are
 /// as long as the ring's own. A sender knows its packet by its first byte, times its lap, and lets
 /// it go round again. (ours)
-/// @throw std::runtime_error where it does not go round
+/// @throw std::runtime_error if it does not go round
 Measurement measure_reference(const Setup& setup, Pinning pinning, Sending sending);
 
 /// Writes the file of a ring of nodes 0, 1, 2 ... @param sections further sections of the file, each ends its line
@@ -66,7 +66,7 @@ std::string write_ring(const std::string& path, unsigned nodes, const std::strin
                        const std::set<unsigned>& attached = {});
 
 /// The cores that the processes of a case may use: the last one this process may use itself (the
-/// first often serves the machine's interrupts); nothing where they are free.
+/// first often serves the machine's interrupts); nothing if they are free.
 std::optional<cpu_set_t> cores_for(Pinning pinning);
 
 /// How many cores this process may use.
@@ -78,9 +78,9 @@ void stay_on(const std::optional<cpu_set_t>& cores);
 /// What processes take together from here on, in percent of one core.
 class CpuShare {
  public:
-  /// @throw std::runtime_error where one has ended
+  /// @throw std::runtime_error if one has ended
   explicit CpuShare(std::vector<pid_t> processes);
-  /// Since the beginning. @throw std::runtime_error where one has ended
+  /// Since the beginning. @throw std::runtime_error if one has ended
   double percent() const;
 
  private:
@@ -90,7 +90,7 @@ class CpuShare {
 };
 
 /// What a ring takes that has nothing to do but what its configuration makes it do: percent of one
-/// core, all its processes together, daemons and CPUs. Where the first node's CPU is attached, one
+/// core, all its processes together, daemons and CPUs. If the first node's CPU is attached, one
 /// that only reads takes its place (and is not counted).
 double measure_idle_percent(const Setup& setup, PrivateRing& ring);
 

@@ -15,7 +15,7 @@
 namespace limb_ring::bench {
 
 struct RelayChainResult {
-  std::string skipped;  ///< why; empty where it was measured
+  std::string skipped;  ///< why; empty if it was measured
   Measurement measured;
 };
 
@@ -36,7 +36,7 @@ struct OwnRate {
 };
 
 struct OwnRateResult {
-  std::string skipped;  ///< why; empty where it was measured
+  std::string skipped;  ///< why; empty if it was measured
   OwnRate measured;
 };
 
@@ -46,20 +46,20 @@ OwnRateResult measure_own_rate(const Setup& setup, const live::PrivateFolder& fo
 /// Programs of ROS with a master of their own; they end with this object.
 class RosPrograms {
  public:
-  /// Starts the master. @throw std::runtime_error where it cannot
+  /// Starts the master. @throw std::runtime_error if it cannot
   RosPrograms(const Setup& setup, const live::PrivateFolder& folder);
   ~RosPrograms();
   RosPrograms(const RosPrograms&) = delete;
   RosPrograms& operator=(const RosPrograms&) = delete;
 
-  /// @return it; stays where it is. @throw std::runtime_error where there is no such program
+  /// @return it; stays where it is. @throw std::runtime_error if there is no such program
   process::Program& start(const std::string& program, const std::vector<std::string>& arguments,
                           const std::optional<cpu_set_t>& cores = {});
   /// Waits until it has ended and reads the JSON it printed.
-  /// @throw std::runtime_error with its last lines where it printed none, or takes longer than a minute
+  /// @throw std::runtime_error with its last lines if it printed none, or takes longer than a minute
   nlohmann::json result_of(process::Program& program);
 
-  /// Why a measurement that needs `own_program` and ROS cannot be made; empty where it can.
+  /// Why a measurement that needs `own_program` and ROS cannot be made; empty if it can.
   static std::string missing(const Setup& setup, const std::string& own_program);
 
  private:

@@ -192,7 +192,7 @@ struct EchoOutcome {
 
 std::size_t across(const PrivateRing& ring) { return ring.config().nodes.size() / 2; }
 
-/// The next packet for this CPU, past results. @return nothing where none comes in time
+/// The next packet for this CPU, past results. @return nothing if none comes in time
 std::optional<Packet> next_packet(HostPort& port) {
   const auto deadline = Samples::Clock::now() + kLongestLap;
   while (port.connected() && Samples::Clock::now() < deadline) {

@@ -31,7 +31,7 @@ class Worker {
   Worker& operator=(Worker&&) = delete;
 
   bool running();
-  /// Waits until the worker sets `flag`, calling `poll` all the while. @return false where it has not within
+  /// Waits until the worker sets `flag`, calling `poll` all the while. @return false if it has not within
   /// `patience`, or has ended without
   bool sets(const std::atomic<bool>& flag, const std::function<void()>& poll, std::chrono::milliseconds patience);
 
@@ -46,7 +46,7 @@ Measurement measure_traffic(const Setup& setup, const PrivateRing& ring, Sending
 /// A process that judges the ring's promises, as `ringctl traffic judge` does.
 class RingJudge {
  public:
-  /// Returns when it watches all nodes. @throw std::runtime_error where that takes too long
+  /// Returns when it watches all nodes. @throw std::runtime_error if that takes too long
   RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinning);
   /// @throw std::runtime_error if it found a broken promise: the measurement is void then
   void require_valid() const;
@@ -63,7 +63,7 @@ class RingJudge {
 /// `ringctl view`, and a process that takes what its page would, as fast as it comes; a real browser would also draw.
 class RingLook {
  public:
-  /// Returns when the page has been told a status. @throw std::runtime_error where that takes too long
+  /// Returns when the page has been told a status. @throw std::runtime_error if that takes too long
   RingLook(const Setup& setup, const PrivateRing& ring, Pinning pinning);
   /// @throw std::runtime_error if it was told nothing more: the measurement is void then
   void require_valid() const;
@@ -81,7 +81,7 @@ class RingLook {
 /// what it would write.
 class PacketObserver {
  public:
-  /// Returns when it observes. @throw std::runtime_error where that takes too long
+  /// Returns when it observes. @throw std::runtime_error if that takes too long
   PacketObserver(const Setup& setup, const PrivateRing& ring, std::size_t index, Pinning pinning);
 
  private:

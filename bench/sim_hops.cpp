@@ -107,7 +107,7 @@ std::uint64_t carried(const sim::VirtualRing& ring) {
 }
 
 /// Every node sends to the one opposite, and again whenever its packet is back. They begin at random within a lap, as
-/// CPUs do: where all begin in one instant they stay in step, and the clock has a tenth of the instants to visit.
+/// CPUs do: if all begin in one instant they stay in step, and the clock has a tenth of the instants to visit.
 void keep_busy(sim::VirtualRing& ring) {
   const auto send = [&ring, data = std::vector<std::uint8_t>(kPayload, 0x5A)](NodeId id) {
     ring.send(id, static_cast<NodeId>((id + ring.size() / 2) % ring.size()), data);
@@ -126,7 +126,7 @@ void keep_busy(sim::VirtualRing& ring) {
 
 /// The real core under the virtual clock, once it has joined, with all invariants checked or none.
 /// @return packet-hops per second of wall-clock time, over at least `hops`
-/// @throw std::runtime_error where an invariant was broken, or a packet not delivered
+/// @throw std::runtime_error if an invariant was broken, or a packet not delivered
 double core_ring(unsigned nodes, std::uint64_t hops, bool invariants) {
   sim::VirtualRing ring(options_for(nodes));
   std::unique_ptr<sim::Invariants> checks;
@@ -158,7 +158,7 @@ bool ns3_installed() { return fs::exists(program()); }
 
 /// One run of it.
 /// @return packet-hops per second of wall-clock time, without the start of the program
-/// @throw std::runtime_error where it fails
+/// @throw std::runtime_error if it fails
 double ns3_ring(unsigned nodes, std::uint64_t hops) {
   const std::string command = quoted(program()) + " " + std::to_string(nodes) + " " + std::to_string(hops);
   const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), pclose);

@@ -35,12 +35,12 @@ struct Report {
   double seconds = 0;
   unsigned spin_nodes = 0;  ///< in the rings of spin and spin_reference: a core for each; 0: not measured
   std::vector<Row> rows;
-  std::string relay_chain_skipped;           ///< why; empty where it was measured
+  std::string relay_chain_skipped;           ///< why; empty if it was measured
   std::optional<double> idle_plain_percent;  ///< of one core, all processes together
   std::optional<double> idle_humanoid_percent;
   std::optional<OwnRate> own_rate;
-  std::string own_rate_skipped;            ///< why; empty where it was measured, or not wanted
-  std::vector<VirtualRate> virtual_rates;  ///< none where there is no humanoid
+  std::string own_rate_skipped;            ///< why; empty if it was measured, or not wanted
+  std::vector<VirtualRate> virtual_rates;  ///< none if there is no humanoid
   SystemCosts costs;
 
   const Row* find(const std::string& what, Pinning pinning, Sending sending) const;

@@ -38,7 +38,7 @@ constexpr double kRandomLoad = 0.3;
 /// How many messages measure() has at once, the longest of its lists.
 std::uint64_t full_load(const Medium& medium);
 
-/// @throw std::runtime_error where a method does not deliver what it was given: the model is wrong
+/// @throw std::runtime_error if a method does not deliver what it was given: the model is wrong
 Figures measure(const Network& network, const Medium& medium, std::uint64_t seed);
 
 /// Figures::at_once_opposite alone.
@@ -98,7 +98,7 @@ bool comparable(const Medium& medium);
 
 /// Our ring and the systems that the paper compares it with, each on its own virtual clock.
 /// @pre comparable(options.medium)
-/// @throw std::runtime_error where a model or the ring does not deliver what it was given
+/// @throw std::runtime_error if a model or the ring does not deliver what it was given
 Comparison compare(const ComparisonOptions& options);
 
 }  // namespace limb_ring::study

@@ -22,13 +22,13 @@ std::vector<Bin> histogram(const std::vector<Duration>& values, Duration width);
 /// Round trips of DATPs of our ring under random load, from the start of sending until the tail is back:
 /// what N (T + d) bounds. The wait in the sender's own queue is not in it.
 /// @param load payload offered / R
-/// @throw std::runtime_error where the ring does not close
+/// @throw std::runtime_error if the ring does not close
 Latencies data_round_trips(const Medium& medium, double load, std::uint64_t seed);
 
 /// Round trips of INTPs of our ring, from the CPU's request until they are back, while every node always
 /// has a DATP to send and one INTP under way or about to be asked for.
 /// @param embed false: they are sent between DATPs only
-/// @throw std::runtime_error as above, and where an INTP or DATP is not delivered
+/// @throw std::runtime_error as above, and if an INTP or DATP is not delivered
 Latencies interrupt_round_trips(const Medium& medium, bool embed, std::uint64_t seed);
 
 /// A packet at one node. All times count from the start of sending of packet 0, and are those of the
@@ -52,7 +52,7 @@ struct Timeline {
   std::vector<Passing> in_front;  ///< what left a node before ours did, by source and hop
 };
 
-/// No other packet is on the ring. @throw std::runtime_error where the ring does not close, or it does not return
+/// No other packet is on the ring. @throw std::runtime_error if the ring does not close, or it does not return
 Timeline timeline_alone(const Medium& medium);
 
 /// The worst case: every other node starts a packet of its own in the instant in which its header arrives.

@@ -69,7 +69,7 @@ class Deliveries {
  public:
   Deliveries(std::size_t messages, Time until) : at_(messages, core::kNever), open_(messages), until_(until) {}
 
-  /// @throw std::logic_error where that message was delivered before: the model is wrong
+  /// @throw std::logic_error if that message was delivered before: the model is wrong
   void put(std::size_t message, Time at) {
     if (at_[message] != core::kNever) throw std::logic_error("a message was delivered twice");
     --open_;

@@ -7,13 +7,13 @@
 
 namespace limb_ring::comparison {
 
-/// Path of gnuplot. @throw std::runtime_error where there is none; says what to install
+/// Path of gnuplot. @throw std::runtime_error if there is none; says what to install
 std::string find_gnuplot();
 
 /// Lets gnuplot draw `script`, a file in `folder`; what it reads and writes are names in that folder.
 /// No shell sees a name.
 /// @param gnuplot as find_gnuplot() gives it
-/// @throw std::runtime_error where it cannot be started, fails, or takes longer than `limit`, with its
+/// @throw std::runtime_error if it cannot be started, fails, or takes longer than `limit`, with its
 ///        last words
 void run_gnuplot(const std::string& gnuplot, const std::string& folder, const std::string& script,
                  std::chrono::milliseconds limit);
@@ -22,11 +22,11 @@ void run_gnuplot(const std::string& gnuplot, const std::string& folder, const st
 class PlotFolder {
  public:
   /// Makes the folder, and those above it, where they are missing.
-  /// @throw ring_sim::UsageError where it cannot be made, or written into; std::runtime_error where gnuplot is missing
+  /// @throw ring_sim::UsageError if it cannot be made, or written into; std::runtime_error where gnuplot is missing
   explicit PlotFolder(const std::string& path);
 
   /// Writes <name>.csv and <name>.gp, and lets gnuplot draw <name>.png and <name>.svg.
-  /// @throw ring_sim::UsageError where a file cannot be written; std::runtime_error where gnuplot fails
+  /// @throw ring_sim::UsageError if a file cannot be written; std::runtime_error where gnuplot fails
   void draw(const Picture& picture) const;
 
  private:

@@ -228,7 +228,7 @@ constexpr const char* kNotes =
     "CAN starves the nodes with the highest identifiers. An ARCNET packet holds 508 bytes: 512 wait for\n"
     "the token twice.\n";
 
-/// The worst case, which a run shows only where the others start at exactly the right instants. (docs/protocol.md)
+/// The worst case, which a run shows only if the others start at exactly the right instants. (docs/protocol.md)
 std::string bound(const study::Medium& medium) {
   const study::Duration hop = medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay;
   return "At " + ring_sim::megabits(medium.rate) +

@@ -23,7 +23,7 @@ class RingNetwork : public Network {
   /// @param goes_on called now and then while it is at work: large rings take long
   explicit RingNetwork(std::function<void()> goes_on = [] {}) : goes_on_(std::move(goes_on)) {}
 
-  /// @throw std::runtime_error where the ring does not close: the settings are wrong
+  /// @throw std::runtime_error if the ring does not close: the settings are wrong
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
   /// Until the hello is home: the longest time for several moments spread over a lap. The links are moved,
   /// and packets that are on them at that moment are lost and sent again by their sources.

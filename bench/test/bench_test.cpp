@@ -14,7 +14,7 @@ Measurement of_p50(double p50) {
   return measured;
 }
 
-TEST(Cases, EachIsARowOfAllItsRoundsBesideTheReferenceOfEach) {
+TEST(Cases, EachIsARowWithAllItsRoundsAndTheirReferences) {
   Cases cases;
   cases.add("shm", Sending::one, of_p50(20), 10);
   cases.add("shm", Sending::one, of_p50(90), 30);
@@ -30,7 +30,7 @@ TEST(Cases, EachIsARowOfAllItsRoundsBesideTheReferenceOfEach) {
   EXPECT_EQ(rows[1].sending, Sending::all);
 }
 
-TEST(Cases, WhatHasSomethingInAdditionIsComparedWithTheSameRingWithout) {
+TEST(Cases, ARingWithAnAdditionIsComparedWithTheSameRingWithoutIt) {
   Cases cases;
   cases.add("watched", Sending::one, of_p50(30), 10);
   cases.add_without("watched", Sending::one, of_p50(20));
@@ -43,7 +43,7 @@ TEST(Cases, WhatHasSomethingInAdditionIsComparedWithTheSameRingWithout) {
   EXPECT_EQ(rows[1].addition_ratio, 2);
 }
 
-TEST(Cases, ThereIsNothingToCompareWhereTheCaseWasNotMeasured) {
+TEST(Cases, ACaseThatWasNotMeasuredIsNotCompared) {
   Cases cases;
   EXPECT_THROW(cases.add_without("watched", Sending::one, of_p50(20)), std::out_of_range);
 }

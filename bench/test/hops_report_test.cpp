@@ -16,7 +16,7 @@ TEST(HopsReport, RatesAreTheBestOfTheRoundsInMillions) {
   EXPECT_DOUBLE_EQ(rows[0]["m_hops_s_254"], 4);
 }
 
-TEST(HopsReport, TheFirstRowCostsOnceItself) { EXPECT_DOUBLE_EQ(hops::report({kBare})[0]["cost_16"], 1); }
+TEST(HopsReport, TheFirstRowHasTheRelativeCostOne) { EXPECT_DOUBLE_EQ(hops::report({kBare})[0]["cost_16"], 1); }
 
 TEST(HopsReport, CostIsTheMedianOfRatiosWithinARound) {
   // 8/2, 4/1, 8/4: 4, 4, 2. The bests alone would say 8/4 = 2.
@@ -26,7 +26,7 @@ TEST(HopsReport, CostIsTheMedianOfRatiosWithinARound) {
   EXPECT_DOUBLE_EQ(rows[1]["cost_254"], 4);
 }
 
-TEST(HopsReport, GrowthIsTheLargeRingsCostBesideTheSmallOnesInTheSameRound) {
+TEST(HopsReport, GrowthIsTheRatioOfTheLargeRingsCostToTheSmallOnesInTheSameRound) {
   // 8/4, 4/4, 8/2: 2, 1, 4
   EXPECT_DOUBLE_EQ(hops::report({kBare})[0]["growth"], 2);
 }

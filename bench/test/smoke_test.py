@@ -78,12 +78,12 @@ class SmallBenchmark(unittest.TestCase):
                 self.check_case(watched)
                 self.assertGreater(watched["unwatched_ratio"], 0)
 
-    def test_recording_is_compared_with_a_ring_that_does_not(self):
+    def test_recording_is_compared_with_a_ring_that_does_not_record(self):
         recorded = self.report["recorded"]["one_core"]["all_sending"]
         self.check_case(recorded)
         self.assertGreater(recorded["unrecorded_ratio"], 0)
 
-    def test_judging_promises_and_looking_on_are_compared_with_the_same_ring_left_alone(self):
+    def test_judging_and_viewing_are_compared_with_the_same_ring_without_them(self):
         for what in ("judged", "viewed"):
             for pinning in ("one_core", "unpinned"):
                 with self.subTest(what=what, pinning=pinning):

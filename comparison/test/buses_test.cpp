@@ -91,7 +91,7 @@ TEST(Can, LongMessageGoesAsSeveralFrames) {
   EXPECT_EQ(delivery(CanBus(), gigabit(4), data(0ns, 1, 2, 512)), 7 * 579ns + 576ns);
 }
 
-TEST(Can, MessageThatComesAsTheBusIsFreeStartsAtOnce) {
+TEST(Can, MessageThatArrivesWhileTheBusIsFreeStartsAtOnce) {
   EXPECT_EQ(delivery(CanBus(), gigabit(4), data(700ns, 1, 2, 64)), 700ns + 576ns);
 }
 
@@ -118,7 +118,7 @@ TEST(Can, InterruptWaitsForTheFrameOnTheBusAndForNothingElse) {
   EXPECT_EQ(deliveries(CanBus(), gigabit(4), messages).back(), 579ns + 59ns);
 }
 
-TEST(Can, WhatComesTooLateIsNotDelivered) {
+TEST(Can, MessageThatComesTooLateIsNotDelivered) {
   EXPECT_THAT(CanBus().carry(gigabit(4), {data(0ns, 0, 1, 64), data(0ns, 1, 0, 64)}, Time{} + 576ns),
               ElementsAre(Time{} + 576ns, core::kNever));
 }

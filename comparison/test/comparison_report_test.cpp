@@ -58,7 +58,7 @@ TEST(ComparisonReport, JsonHasTheOptionsAndEverySeries) {
   EXPECT_EQ(json["latency_against_nodes"][0]["nodes"], 16);
 }
 
-TEST(ComparisonReport, CsvHasOneValueInARow) {
+TEST(ComparisonReport, CsvHasOneValuePerRow) {
   const std::string csv = format_comparison(example(), options(), app::Format::csv);
   EXPECT_THAT(csv, testing::StartsWith("seed,method,own_rate,rate_mbit_s,nodes,offered,quantity,value\n"));
   EXPECT_THAT(csv, HasSubstr("42,slow,true,5,16,,alone_worst_us,20000\n"));

@@ -90,13 +90,13 @@ TEST(Comparison, GivesTheSameFiguresForTheSameSeed) {
   }
 }
 
-TEST(Comparison, RandomLoadBeyondWhatAMethodCarriesIsNotAskedFor) {
+TEST(Comparison, RandomLoadAboveTheCapacityOfAMethodIsLeftOut) {
   ComparisonOptions options = small();
   options.medium.payload = 1;  // 13 bytes on our ring for one of payload
   EXPECT_FALSE(compare(options).methods[0].figures.random_load.has_value());
 }
 
-TEST(Comparison, RefusesRelayDelaysFarBeyondAPacketAtAnyRateThatIsCompared) {
+TEST(Comparison, RefusesRelayDelaysMuchLongerThanAPacketAtAnyComparedRate) {
   Medium medium = gigabit(4);
   EXPECT_TRUE(comparable(medium));
   medium.relay_delay = 10ms;

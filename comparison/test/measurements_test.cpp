@@ -60,14 +60,14 @@ TEST(DataRoundTrips, DependOnTheSeedAlone) {
   EXPECT_NE(first.values(), data_round_trips(small, 0.7, 2).values());
 }
 
-// 16 d + 96 ns = 8.288 us where nothing is in the way.
+// 16 d + 96 ns = 8.288 us if nothing is in the way.
 TEST(InterruptRoundTrips, EmbeddedStayWithinTheirBound) {
   const Latencies all = interrupt_round_trips(kMedium, true, kSeed);
   EXPECT_GE(all.min(), 8288ns);
   EXPECT_LE(all.max(), 16 * (512ns + 160ns));
 }
 
-TEST(InterruptRoundTrips, EmbeddedBehindOddBytesStayWithinTheirsToo) {
+TEST(InterruptRoundTrips, EmbeddedBehindOddBytesStayWithinTheirBoundToo) {
   const Medium odd = gigabit(8, 3);
   EXPECT_LE(interrupt_round_trips(odd, true, kSeed).max(), interrupt_bound(odd));
 }
@@ -133,7 +133,7 @@ TEST(Timeline, AtWorstThePacketWaitsForAnotherAtEveryNode) {
 
 // Node k starts its own as our header arrives, at k (T + d) - T. In front of ours pass it and those of the
 // k - 1 nodes before it: 1 + 2 + ... + 15 = 120 in all.
-TEST(Timeline, AtWorstWhatGoesInFrontIsTheNodesOwnAndWhatItRelays) {
+TEST(Timeline, AtWorstTheNodesOwnPacketAndRelayedOnesGoFirst) {
   const Timeline timeline = timeline_worst(kTimedRing);
   EXPECT_EQ(timeline.in_front.size(), 120u);
   for (const Passing& passing : timeline.in_front) {

@@ -63,13 +63,13 @@ TEST_F(Gnuplot, DrawsIntoAFolderOfAnyName) {
     EXPECT_TRUE(std::filesystem::exists(odd + "/" + file)) << file;
 }
 
-TEST_F(Gnuplot, ScriptThatItRefusesIsAnErrorWithItsOwnWords) {
+TEST_F(Gnuplot, ScriptThatItRefusesIsAnErrorWithItsMessage) {
   LIMB_RING_NEEDS_GNUPLOT();
   const auto draw = [this] { PlotFolder(folder).draw({"line", "", "nonsense\n"}); };
   EXPECT_THAT(test::thrown<std::runtime_error>(draw), HasSubstr("invalid command"));
 }
 
-TEST_F(Gnuplot, ScriptWithoutEndIsEnded) {
+TEST_F(Gnuplot, ScriptThatNeverEndsIsEnded) {
   LIMB_RING_NEEDS_GNUPLOT();
   std::ofstream(folder + "/long.gp") << "while (1) {}\n";
   const auto run = [this] { run_gnuplot(find_gnuplot(), folder, "long.gp", std::chrono::milliseconds(50)); };
@@ -84,7 +84,7 @@ TEST_F(Gnuplot, FileThatCannotBeWrittenIsAUsageError) {
               HasSubstr(folder + "/line.gp: cannot be written: Is a directory"));
 }
 
-TEST_F(Gnuplot, MissingNamesThePackage) {
+TEST_F(Gnuplot, IfItIsMissingTheErrorNamesThePackage) {
   ::setenv("PATH", "", 1);
   EXPECT_THAT(test::thrown<std::runtime_error>([] { find_gnuplot(); }), HasSubstr("install the package gnuplot-nox"));
 }
@@ -264,7 +264,7 @@ TEST_F(Plots, WithoutGnuplotEndBeforeAnythingIsMeasured) {
   EXPECT_EQ(said.out, "");
 }
 
-TEST_F(Plots, NameTheFileThatAFullDiskHasNoRoomFor) {
+TEST_F(Plots, NameTheFileForWhichTheDiskIsTooFull) {
   LIMB_RING_NEEDS_GNUPLOT();
   std::filesystem::create_symlink("/dev/full", folder + "/latency_nodes.csv");
   const CliRun said = compare(folder);
@@ -290,7 +290,7 @@ TEST(Compare, RefusesWhatDoesNotFitIntoMemory) {
   }
 }
 
-TEST(Compare, AllThatHelpNamesIsCompleted) { expect_help_completed(compare_networks); }
+TEST(Compare, EverythingThatHelpNamesIsCompleted) { expect_help_completed(compare_networks); }
 
 }  // namespace
 

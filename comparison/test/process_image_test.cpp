@@ -34,16 +34,16 @@ TEST(EtherCat, SlotMayLieInTwoFrames) {
 // 24 + 44 + 4: the least an Ethernet frame holds.
 TEST(EtherCat, SmallFrameIsPadded) { EXPECT_EQ(ProcessImage(gigabit(2, 1)).length(0), 72u); }
 
-TEST(EtherCat, NodeBehindReadsFromTheSameFrame) {
+TEST(EtherCat, DownstreamNodeReadsFromTheSameFrame) {
   EXPECT_EQ(delivery(EtherCat(), kEthercat, data(0ns, 1, 3, 512)), kFrame + 3 * d);
 }
 
-TEST(EtherCat, MasterHasItWhenTheFrameIsHome) {
+TEST(EtherCat, MasterHasTheMessageWhenTheFrameReturns) {
   EXPECT_EQ(delivery(EtherCat(), kEthercat, data(0ns, 3, 0, 512)), kPitch + kFrame + 4 * d);
 }
 
 // Home in the middle of the next cycle's first frame, so it goes in that cycle's second.
-TEST(EtherCat, NodeBeforeNeedsASecondFrame) {
+TEST(EtherCat, UpstreamNodeNeedsASecondFrame) {
   EXPECT_EQ(delivery(EtherCat(), kEthercat, data(0ns, 3, 1, 512)), kFrameCycle + kPitch + kFrame + d);
 }
 
@@ -63,7 +63,7 @@ TEST(EtherCat, OneMessagePerNodeAndCycleByPriority) {
   EXPECT_EQ(at[0], kFrameCycle + kFrame + 3 * d);
 }
 
-TEST(EtherCat, InterruptRidesInTheNextFrameWhateverWaits) {
+TEST(EtherCat, InterruptGoesInTheNextFrameWhateverIsQueued) {
   auto messages = all_to(kEthercat, 1);
   messages.push_back(interrupt(0ns, 3, 1));
   messages.push_back(interrupt(0ns, 1, 2));
@@ -97,11 +97,11 @@ TEST(Sercos, SlaveReachesSlaveThroughTheMasterInOneCycle) {
   EXPECT_EQ(delivery(Sercos(), kSercos, data(0ns, 1, 3, 512)), kCycle + 3 * d);
 }
 
-TEST(Sercos, MasterHasItWithTheSlavesOwnTelegram) {
+TEST(Sercos, MasterHasTheMessageWithTheSlavesTelegram) {
   EXPECT_EQ(delivery(Sercos(), kSercos, data(0ns, 2, 0, 512)), kMst + 2 * kAt + 4 * d);
 }
 
-TEST(Sercos, MastersOwnGoesInItsTelegram) {
+TEST(Sercos, MastersMessageGoesInItsOwnTelegram) {
   EXPECT_EQ(delivery(Sercos(), kSercos, data(kAtsHome, 0, 1, 512)), kCycle + d);
 }
 
@@ -110,7 +110,7 @@ TEST(Sercos, AllAtOnceEndWithTheMastersTelegram) {
               testing::ElementsAre(kCycle + 2 * d, kCycle + 3 * d, kMst + 2 * kAt + 4 * d, kCycle + d));
 }
 
-TEST(Sercos, WhatMissesItsTelegramWaitsForTheNextCycle) {
+TEST(Sercos, MessageThatMissesItsTelegramWaitsForTheNextCycle) {
   const Duration begins = kMst + kAt + 2 * d;  // at slave 2
   EXPECT_EQ(delivery(Sercos(), kSercos, data(begins, 2, 3, 512)), kCycle + 3 * d);
   EXPECT_EQ(delivery(Sercos(), kSercos, data(begins + 1ns, 2, 3, 512)), 2 * kCycle + 3 * d);

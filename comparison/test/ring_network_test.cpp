@@ -45,19 +45,19 @@ TEST(RingNetwork, HigherPriorityOvertakesInItsNode) {
 }
 
 // More than any queue of a node holds: what waits outside keeps its order.
-TEST(RingNetwork, NothingIsRefusedForWantOfAQueue) {
+TEST(RingNetwork, NoMessageIsRefusedForLackOfQueueSpace) {
   std::vector<Message> messages;
   for (unsigned i = 0; i < 200; ++i) messages.push_back(data(0ns, 0, 1, 512));
   const auto at = deliveries(RingNetwork(), kOurRing, messages);
   for (unsigned i = 0; i < 200; ++i) EXPECT_EQ(at[i], i * (T + kNodes * d) + T + d) << i;
 }
 
-TEST(RingNetwork, WhatComesTooLateIsNotDelivered) {
+TEST(RingNetwork, MessageThatComesTooLateIsNotDelivered) {
   EXPECT_THAT(RingNetwork().carry(kOurRing, {data(0ns, 0, 1, 512), data(0ns, 0, 2, 512)}, Time{} + T + d),
               testing::ElementsAre(Time{} + T + d, core::kNever));
 }
 
-TEST(RingNetwork, TellsThatItGoesOnWhileItCarries) {
+TEST(RingNetwork, ReportsProgressWhileItRuns) {
   unsigned told = 0;
   const RingNetwork network([&told] { ++told; });
   std::vector<Message> messages;

@@ -20,7 +20,7 @@ std::optional<std::uint64_t> number(const char* name) {
   return std::strtoull(text, nullptr, 10);
 }
 
-/// MODEL_WORLD: nothing if it is not set, or is no world.
+/// MODEL_WORLD: nothing if it is not set, or is not a world.
 std::optional<RandomFaults::World> world_asked_for() {
   const char* text = std::getenv("MODEL_WORLD");
   for (std::size_t world = 0; text != nullptr && world < study::kWorldNames.size(); ++world)

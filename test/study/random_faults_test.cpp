@@ -108,7 +108,7 @@ TEST(RandomFaults, BreakNoPromiseInStormsIfANodeThatComesIsDisturbed) {
 }
 
 // Two false alarms of rings that fall into parts: a joining node whose hello was lost waited for a line again, lost the
-// other line, too, and so started over, which it shows by nothing, and the checker reckoned with only where rings fold;
+// other line, too, and so started over, which it shows by nothing, and the checker reckoned with only if rings fold;
 // and a node lost both lines while its process did not run, and told of its new start behind the packets that had
 // waited.
 TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverUnseen) {
