@@ -42,7 +42,7 @@ class ScenarioStory final : public Story {
     for (std::size_t event = 0; event < events_.size(); ++event)
       if (event < events || (future > 1 && random() % 2 == 0)) kept.push_back(event);
     Scenario other = with(kept);
-    if (future == 1 && whole_.world == World::soak && events != 0) end_at(times_[events - 1], other);
+    if (future == 1 && whole_.world == World::soak) end_at(begin_of_future(events), other);
     return fails_alike(other);
   }
 
@@ -77,6 +77,12 @@ class ScenarioStory final : public Story {
     }
     scenario.steps = std::move(steps);
     return scenario;
+  }
+  /// Just before the next event, so that what the last one has led to by then has happened: a slice that is hit leaves
+  /// within the next nanosecond. Behind the very last one, then. @pre the soak's world, in which all times are known
+  nanoseconds begin_of_future(std::size_t events) const {
+    const nanoseconds soonest = events == 0 ? nanoseconds{0} : times_[events - 1] + nanoseconds{2};
+    return events == times_.size() ? soonest : std::max(soonest, times_[events] - nanoseconds{1});
   }
   /// All is mended from then on. @pre the soak's world
   void end_at(nanoseconds time, Scenario& scenario) const {

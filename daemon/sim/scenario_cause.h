@@ -23,9 +23,9 @@ class Story {
   virtual bool fails(const std::vector<std::size_t>& events) = 0;
   /// The same, and the two change places: each comes when the other one did.
   virtual bool fails_swapped(const std::vector<std::size_t>& events, std::size_t one, std::size_t other) = 0;
-  /// Whether it fails in the same way if all goes as it did up to the end of the first `events` events, and then
-  /// otherwise: in future 0 nothing more is done; in future 1, in the soak's world, all is mended at once, too; in each
-  /// further one other things are done, by its number.
+  /// Whether it fails in the same way if all goes as it did with the first `events` events, up to just before the next
+  /// one, and then otherwise: in future 0 nothing more is done; in future 1, in the soak's world, all is mended at
+  /// once, too; in each further one other things are done, by its number.
   virtual bool fails_after(std::size_t events, unsigned future) = 0;
 };
 

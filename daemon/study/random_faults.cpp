@@ -35,16 +35,16 @@ std::vector<int> drifts_of(std::uint64_t seed, unsigned most) {
 
 }  // namespace
 
-RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, const More& more)
-    : draws_(seed),
-      wide_(~seed),
-      world_(fold_back, world, draws_, wide_),
-      sought_(more.sought),
-      sought_draws_(seed ^ kOfGoals),
-      drifts_(drifts_of(seed, more.drift)),
+RandomFaults::RandomFaults(const Origin& origin)
+    : origin_(origin),
+      draws_(origin.seed),
+      wide_(~origin.seed),
+      world_(origin.fold_back, origin.world, draws_, wide_),
+      sought_draws_(origin.seed ^ kOfGoals),
+      drifts_(drifts_of(origin.seed, origin.more.drift)),
       ring_(ring_options()),
       invariants_(ring_),
-      lines_(ring_, seed),
+      lines_(ring_, origin.seed),
       history_(ring_),
       killed_(ring_.size(), false) {
   ring_.on_event = [this](NodeId, const core::Event& event) {
@@ -52,14 +52,18 @@ RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world, 
   };
   tap_all(Line::first);
   if (world_.folds_back) tap_all(Line::second);
+  made_ = true;
 }
 
 sim::VirtualRingOptions RandomFaults::ring_options() {
   sim::VirtualRingOptions options;
   options.order = world_.order;
-  if (world_.takes_time_to_connect) options.connecting = [this] { return Duration{1ns} * wide_.below(20000); };
+  if (world_.takes_time_to_connect)
+    options.connecting = [this] { return wait([this] { return Duration{1ns} * wide_.below(20000); }); };
   if (world_.in_parts)
-    options.noticing = [this] { return wide_.below(2) * Duration{1ns} * wide_.below(kNoticedWithin / 1ns); };
+    options.noticing = [this] {
+      return wait([this] { return wide_.below(2) * Duration{1ns} * wide_.below(kNoticedWithin / 1ns); });
+    };
   options.byte_time = world_.paced ? Duration{8ns} : Duration{0};
   options.keep_logs = false;
   options.adjust = [this](core::Settings& settings) { world_.adjust(settings); };
@@ -81,6 +85,7 @@ void RandomFaults::tap_all(Line line) {
 void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
   history_.count_slice(id, line);
   if (quiet_ && sim::is_traffic(slice)) ++slices_when_quiet_;
+  if (again_) return pass_again(id, line, slice, arriving);
   const bool word_lost = !quiet_ && slice.kind == wire::SliceKind::fold && wide_.once_in(world_.lost_words);
   if (word_lost || (!quiet_ && draws_.once_in(world_.drop))) return history_.add_slice(Kind::lose_slice, id, line);
   if (quiet_ || slice.bytes.empty() || !draws_.once_in(world_.damage)) return lines_.pass(id, line, slice, arriving);
@@ -102,11 +107,16 @@ bool RandomFaults::run(std::function<bool()> asked_to_stop) {
     note_violation();
   }
   acted_until_ = ring_.now();
+  if (ends_whole() && world_.is_wide) send_when_mended();
+  return !stopped_;
+}
+
+/// @return whether it goes on
+bool RandomFaults::ends_whole() {
   if (goes_on()) calm_down();
   if (goes_on()) violation_ = sim::not_whole(ring_);
   if (goes_on()) check_silence();
-  if (world_.is_wide && goes_on()) send_when_mended();
-  return !stopped_;
+  return goes_on();
 }
 
 void RandomFaults::note_violation() { violation_ = invariants_.violation(); }
@@ -129,7 +139,7 @@ void RandomFaults::act() {
   }
   if (world_.in_parts && wide_.once_in(world_.trouble)) burst();
   if (world_.storms && wide_.once_in(kStepsToStorm)) storm();
-  if (sought_ != nullptr && sought_draws_.once_in(kStepsToSeek)) seek();
+  if (origin_.more.sought != nullptr && sought_draws_.once_in(kStepsToSeek)) seek();
   if (draws_.once_in(7))
     interrupt();
   else
@@ -259,7 +269,7 @@ void RandomFaults::strike(NodeId node) {
 void RandomFaults::seek() {
   if (sought_draws_.once_in(2)) seek_by(sim::Strike::mend_all, random_node());
   std::size_t place = sought_draws_.below(world_.nodes);
-  for (const sim::Strike strike : sought_->strikes) {
+  for (const sim::Strike strike : origin_.more.sought->strikes) {
     if (strike == sim::Strike::none || !goes_on()) return;
     const NodeId node = world_.order[place % world_.nodes];
     seek_by(strike, node);
@@ -319,11 +329,20 @@ void RandomFaults::lose_next(NodeId node) {
 }
 
 // A host has nodes beside each other, from this one on.
-void RandomFaults::part_or_regroup(NodeId node) {
+void RandomFaults::part_or_regroup(NodeId node) { parted_ ? regroup() : part(node, 1 + wide_.below(world_.nodes - 1)); }
+
+void RandomFaults::part(NodeId from, std::size_t nodes) {
+  history_.add(WorldAction{WorldAction::Kind::part, from, nodes, {}});
+  parted_ = true;
   core::RingOrder host;
-  const std::size_t nodes = std::exchange(parted_, !parted_) ? 0 : 1 + wide_.below(world_.nodes - 1);
-  for (std::size_t lines = 0; lines < nodes; ++lines) host.push_back(core::node_after(world_.order, node, lines));
+  for (std::size_t lines = 0; lines < nodes; ++lines) host.push_back(core::node_after(world_.order, from, lines));
   ring_.part(host);
+}
+
+void RandomFaults::regroup() {
+  history_.add(WorldAction{WorldAction::Kind::regroup, {}, 0, {}});
+  parted_ = false;
+  ring_.regroup();
 }
 
 // No copy may outlive the time-out of a try: the receiver would take it for a new packet, as would one that has
@@ -349,17 +368,24 @@ unsigned RandomFaults::longest_hold(NodeId node, int share) const {
 
 // The node stands still for at most as long as a line may hold back, for the same reason: see line_fault().
 void RandomFaults::stand_still(NodeId node) {
-  const unsigned longest = longest_hold(node, world_.doubles ? 32 : 16);
+  stand_still(node, Duration{1ns} * (1 + wide_.below(longest_hold(node, world_.doubles ? 32 : 16))));
+}
+
+void RandomFaults::stand_still(NodeId node, Duration lasts) {
+  history_.add(WorldAction{WorldAction::Kind::stand_still, node, 0, lasts});
   ring_.pause(node);
-  ring_.at(ring_.now() + Duration{1ns} * (1 + wide_.below(longest)), [this, node] { ring_.resume(node); });
+  ring_.at(ring_.now() + lasts, [this, node] { ring_.resume(node); });
 }
 
 void RandomFaults::hold_output(NodeId node) {
   if (!ring_.alive(node)) return;
-  const unsigned longest = longest_hold(node, world_.doubles ? 32 : 16);
+  hold_output(node, Duration{1ns} * (1 + wide_.below(longest_hold(node, world_.doubles ? 32 : 16))));
+}
+
+void RandomFaults::hold_output(NodeId node, Duration lasts) {
+  history_.add(WorldAction{WorldAction::Kind::hold_output, node, 0, lasts});
   ring_.set_output_ready(node, false);
-  ring_.at(ring_.now() + Duration{1ns} * (1 + wide_.below(longest)),
-           [this, node] { ring_.set_output_ready(node, true); });
+  ring_.at(ring_.now() + lasts, [this, node] { ring_.set_output_ready(node, true); });
 }
 
 void RandomFaults::cut(NodeId node) {
@@ -377,8 +403,8 @@ void RandomFaults::cut(NodeId node) {
 }
 
 void RandomFaults::heal(NodeId node) {
-  if (!quiet_) history_.add(world_.folds_back ? Kind::mend_cable : Kind::mend_wire, node);
-  world_.folds_back ? ring_.heal_cable(node) : ring_.heal(node);
+  history_.add(world_.folds_back ? Kind::mend_cable : Kind::mend_wire, node);
+  heal_now(node);
 }
 
 void RandomFaults::kill_or_start(NodeId node) {
@@ -390,24 +416,23 @@ void RandomFaults::kill_or_start(NodeId node) {
 
 void RandomFaults::freeze_or_thaw(NodeId node) {
   const fault::Name back = killed_[node] ? fault::Name::start : fault::Name::thaw;
-  if (!quiet_) history_.add(ring_.alive(node) ? fault::Name::freeze : back, node);
-  if (ring_.alive(node)) {
-    killed_[node] = false;
-    return ring_.freeze(node);
-  }
-  return killed_[node] ? ring_.start(node) : ring_.thaw(node);
+  history_.add(ring_.alive(node) ? fault::Name::freeze : back, node);
+  if (!ring_.alive(node)) return bring_back(node);
+  killed_[node] = false;
+  ring_.freeze(node);
 }
 
 // ---- afterwards -----------------------------------------------------------------------------
 
 void RandomFaults::mend_all() {
+  if (!quiet_) history_.add(WorldAction{});
   lines_.mend_all();
   ring_.regroup();
   parted_ = false;
   for (const NodeId node : world_.order) {
     ring_.set_cpu_reads(node, true);
-    heal(node);
-    if (!ring_.alive(node)) freeze_or_thaw(node);
+    heal_now(node);
+    if (!ring_.alive(node)) bring_back(node);
   }
 }
 
@@ -439,6 +464,146 @@ void RandomFaults::send_when_mended() {
     note_violation();
   }
   if (goes_on()) run_until_calm();
+}
+
+// ---- once more, or otherwise ----------------------------------------------------------------
+
+void RandomFaults::draw_anew(core::Time from, std::uint64_t seed) {
+  ring_.at(from, [this, seed] {
+    draws_ = Draws(seed);
+    wide_ = Draws(~seed);
+    sought_draws_ = Draws(seed ^ kOfGoals);
+  });
+}
+
+void RandomFaults::replay(const RandomFaults& of, const std::vector<RecordedStep>& steps, core::Time until, bool ends) {
+  asked_to_stop_ = [] { return false; };
+  again_.emplace(Again{of, {}, {}, 0});
+  for (const RecordedStep& step : steps)
+    if (const SoakAction* hit = slice_hit(step)) again_->hits.push_back({step, hit->nth});
+  do_again(steps, core::Time{}, until);
+  if (goes_on()) ring_.run_until(until);
+  note_violation();
+  acted_until_ = ring_.now();
+  if (!ends || !ends_whole() || !world_.is_wide) return;
+  do_again(steps, until, core::kNever);
+  if (goes_on()) run_until_calm();
+}
+
+// Where the same instant comes again, so does what was drawn in it.
+Duration RandomFaults::wait(const std::function<Duration()>& draw) {
+  if (!made_) return draw();
+  if (again_) {
+    if (again_->instant != ring_.now()) again_->instant = ring_.now(), again_->waits = 0;
+    const auto known = again_->of.history_.waits().find(ring_.now());
+    if (known != again_->of.history_.waits().end() && again_->waits < known->second.size())
+      return known->second[again_->waits++];
+  }
+  const Duration drawn = draw();
+  history_.add_wait(drawn);
+  return drawn;
+}
+
+void RandomFaults::pass_again(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
+  const auto hit = quiet_ ? std::nullopt : hit_again(id, line);
+  if (!hit || (hit->kind == Kind::damage_slice && slice.bytes.empty())) return lines_.pass(id, line, slice, arriving);
+  if (hit->kind == Kind::lose_slice) return;
+  const std::size_t byte = std::min<std::size_t>(hit->byte, slice.bytes.size - 1);
+  lines_.pass_damaged(id, line, slice, byte, hit->bits, arriving);
+}
+
+/// What hits the slice that leaves there now.
+std::optional<SoakAction> RandomFaults::hit_again(NodeId id, Line line) {
+  std::optional<SoakAction> now;
+  for (Again::Hit& hit : again_->hits) {
+    const SoakAction& what = *slice_hit(hit.step);
+    const bool here = what.node == id && what.second_line == (line == Line::second);
+    if (here && hit.left != 0 && hit.step.at <= ring_.now() && --hit.left == 0) now = what;
+  }
+  return now;
+}
+
+/// Those steps whose instant is behind `from`, or at the very start, and not behind `until`.
+void RandomFaults::do_again(const std::vector<RecordedStep>& steps, core::Time from, core::Time until) {
+  for (const RecordedStep& step : steps) {
+    const bool due = (step.at > from || from == core::Time{}) && step.at <= until;
+    if (!due || slice_hit(step) != nullptr) continue;
+    if (step.at > ring_.now()) ring_.run_until(step.at);
+    note_violation();
+    if (!goes_on()) return;
+    std::visit([this](const auto& what) { do_again(what); }, step.what);
+  }
+}
+
+void RandomFaults::do_again(const scenario::Send& send) {
+  const NodeId source = send.from[0];
+  if (!can_ask(source)) return;
+  if (send.interrupt) {
+    ring_.interrupt(source, send.to, *send.interrupt);
+    return;
+  }
+  std::vector<std::uint8_t> data(send.size);
+  for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(draws_.below(256));
+  ring_.send(source, send.to, data, send.priority);
+}
+
+void RandomFaults::do_again(const fault::Fault& fault) {
+  using fault::Name;
+  const NodeId node = fault.nodes[0];
+  const bool alive = ring_.alive(node);
+  switch (fault.name) {
+    case Name::kill:
+      return alive ? kill_or_start(node) : void();
+    case Name::start:
+      return alive ? void() : kill_or_start(node);
+    case Name::freeze:
+      return alive ? freeze_or_thaw(node) : void();
+    case Name::thaw:
+      return alive ? void() : freeze_or_thaw(node);
+    case Name::power_cycle:
+      return power_cycle(node);
+    case Name::not_reading:
+    case Name::resume:
+      return ring_.set_cpu_reads(node, fault.name == Name::resume);
+    case Name::reset:
+      return reset_cpu(node);
+    default:
+      return lines_.begin(fault);
+  }
+}
+
+void RandomFaults::do_again(const SoakAction& action) {
+  const Line line = action.second_line ? Line::second : Line::first;
+  switch (action.kind) {
+    case Kind::cut_wire:
+      return ring_.cut(action.node, line);
+    case Kind::mend_wire:
+      return ring_.heal(action.node, line);
+    case Kind::cut_cable:
+      return ring_.cut_cable(action.node);
+    case Kind::mend_cable:
+      return ring_.heal_cable(action.node);
+    case Kind::cancel:
+      return cancel(action.node);
+    case Kind::lose_slice:
+    case Kind::damage_slice:
+      return;  // as they leave
+  }
+}
+
+void RandomFaults::do_again(const WorldAction& action) {
+  switch (action.kind) {
+    case WorldAction::Kind::part:
+      return part(action.node, action.nodes);
+    case WorldAction::Kind::regroup:
+      return regroup();
+    case WorldAction::Kind::stand_still:
+      return stand_still(action.node, action.lasts);
+    case WorldAction::Kind::hold_output:
+      return ring_.alive(action.node) ? hold_output(action.node, action.lasts) : void();
+    case WorldAction::Kind::mend_all:
+      return mend_all();
+  }
 }
 
 }  // namespace limb_ring::study

@@ -1,6 +1,7 @@
 #include "study/shrunk_soak.h"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "config/fault_parse.h"
@@ -23,12 +24,11 @@ constexpr std::size_t kNames = 200;
 
 std::string name_of(NodeId node) { return "node" + std::to_string(node); }
 
-/// A ring of the soak with nodes 0, 1, 2 ..., in the words of a scenario.
+/// What is done to a ring of the soak, in the words of a scenario; what no scenario has, in others.
 class Words {
  public:
-  explicit Words(unsigned nodes) : nodes_(nodes) {
-    for (unsigned id = 0; id < nodes; ++id)
-      ring_.push_back({name_of(static_cast<NodeId>(id)), std::to_string(id), static_cast<NodeId>(id)});
+  explicit Words(const RingOrder& order) : order_(order) {
+    for (const NodeId id : order) ring_.push_back({name_of(id), std::to_string(id), id});
   }
 
   std::string of(const scenario::Send& send) {
@@ -64,27 +64,39 @@ class Words {
     }
     return "{cancel: " + name_of(action.node) + "}";
   }
+  std::string of(const WorldAction& action) const {
+    const std::string lasts = config::format_time(core::whole_nanoseconds(action.lasts));
+    switch (action.kind) {
+      case WorldAction::Kind::part:
+        return "hosts lose each other: on one of them " + std::to_string(action.nodes) + " nodes from " +
+               name_of(action.node) + " on";
+      case WorldAction::Kind::regroup:
+        return "hosts reach each other again";
+      case WorldAction::Kind::stand_still:
+        return name_of(action.node) + " stands still for " + lasts;
+      case WorldAction::Kind::hold_output:
+        return "the line out of " + name_of(action.node) + " takes nothing for " + lasts;
+      case WorldAction::Kind::mend_all:
+        break;
+    }
+    return "all is mended";
+  }
 
  private:
   NodeId behind(const SoakAction& action) const {
-    return static_cast<NodeId>((action.node + (action.second_line ? nodes_ - 1 : 1)) % nodes_);
+    return core::node_after(order_, action.node, action.second_line ? order_.size() - 1 : 1);
   }
 
-  unsigned nodes_;
+  const RingOrder order_;
   fault::RingNodes ring_;
   std::size_t sends_ = 0;
 };
-
-bool is_of_slice(const RecordedStep& step) {
-  const auto* action = std::get_if<SoakAction>(&step.what);
-  return action && (action->kind == Kind::lose_slice || action->kind == Kind::damage_slice);
-}
 
 /// When the step is due. One that hits a slice has to be in place before the slice leaves.
 std::chrono::nanoseconds due(const RecordedStep& step) {
   using std::chrono::nanoseconds;
   const core::Duration since = step.at.time_since_epoch();
-  if (!is_of_slice(step)) return core::whole_nanoseconds(since);
+  if (slice_hit(step) == nullptr) return core::whole_nanoseconds(since);
   const auto before = core::whole_nanoseconds(since - core::Duration{1});
   return std::max(nanoseconds{0}, before);
 }
@@ -111,7 +123,9 @@ struct History {
   }
   std::string text() const {
     std::string text = head_of(nodes, paced, fold_back, seed) + "\n";
-    Words words(nodes);
+    RingOrder order;
+    for (unsigned id = 0; id < nodes; ++id) order.push_back(static_cast<NodeId>(id));
+    Words words(order);
     for (const RecordedStep& step : steps)
       text += "  - {at: " + config::format_time(due(step)) +
               ", do: " + std::visit([&](const auto& what) { return words.of(what); }, step.what) + "}\n";
@@ -120,11 +134,16 @@ struct History {
   }
 };
 
-History history_of(const RandomFaults& run, std::uint64_t seed) {
-  History history{run.nodes(), run.paced(), run.folds_back(), seed, run.acted_until(), run.history()};
+/// As a scenario can do them.
+std::vector<RecordedStep> steps_in_order(const RandomFaults& run) {
+  std::vector<RecordedStep> steps = run.history();
   const auto earlier = [](const RecordedStep& a, const RecordedStep& b) { return due(a) < due(b); };
-  std::stable_sort(history.steps.begin(), history.steps.end(), earlier);
-  return history;
+  std::stable_sort(steps.begin(), steps.end(), earlier);
+  return steps;
+}
+
+History history_of(const RandomFaults& run) {
+  return {run.nodes(), run.paced(), run.folds_back(), run.origin().seed, run.acted_until(), steps_in_order(run)};
 }
 
 // ---- fewer steps ----------------------------------------------------------------------------
@@ -194,67 +213,101 @@ bool fails_as(const std::string& text, const Unmet& wanted, bool ends_mended) {
 
 Unmet unmet_of(const sim::Violation& violation) { return {{}, to_string(violation.promise), violation.what()}; }
 
+/// Of any world: what the seed has done is done again to its ring.
 class SeedStory final : public scenario::Story {
  public:
-  SeedStory(std::unique_ptr<scenario::Story> told, const sim::Violation& violation, std::vector<RecordedStep> steps,
-            std::uint64_t seed, FoldingRings folding)
-      : told_(std::move(told)),
-        wanted_(unmet_of(violation)),
-        steps_(std::move(steps)),
-        seed_(seed),
-        folding_(folding) {}
+  /// @param run has kept its history, has broken a promise, and outlives this
+  explicit SeedStory(const RandomFaults& run)
+      : run_(run),
+        wanted_(unmet_of(*run.violation())),
+        steps_(steps_in_order(run)),
+        breaks_at_end_(run.violation()->at > run.acted_until()) {
+    Words words(run.order());
+    for (const RecordedStep& step : steps_)
+      words_.push_back(std::visit([&](const auto& what) { return words.of(what); }, step.what));
+  }
 
-  std::size_t events() const override { return told_->events(); }
-  std::chrono::nanoseconds at(std::size_t event) const override { return told_->at(event); }
-  std::string words(std::size_t event) const override { return told_->words(event); }
-  bool fails(const std::vector<std::size_t>& events) override { return told_->fails(events); }
+  std::size_t events() const override { return steps_.size(); }
+  std::chrono::nanoseconds at(std::size_t event) const override {
+    return core::whole_nanoseconds(steps_[event].at.time_since_epoch());
+  }
+  std::string words(std::size_t event) const override { return words_[event]; }
+  bool fails(const std::vector<std::size_t>& events) override { return fails_with(those(events)); }
   bool fails_swapped(const std::vector<std::size_t>& events, std::size_t one, std::size_t other) override {
-    return told_->fails_swapped(events, one, other);
+    std::vector<RecordedStep> swapped = those(events);
+    const auto step = [&](std::size_t event) -> RecordedStep& {
+      return swapped[static_cast<std::size_t>(std::find(events.begin(), events.end(), event) - events.begin())];
+    };
+    std::swap(step(one).what, step(other).what);
+    return fails_with(swapped);
   }
   bool fails_after(std::size_t events, unsigned future) override {
-    if (future <= 1) return told_->fails_after(events, future);
-    RandomFaults other(seed_, folding_);
-    other.draw_anew(end_of(events), future);
-    other.run();
-    return other.violation() && alike(unmet_of(*other.violation()), wanted_);
+    const std::vector<RecordedStep> past(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(events));
+    const core::Time from = begin_of_future(events), acted_until = run_.acted_until();
+    RandomFaults other(run_.origin());
+    if (future > 1) {
+      other.draw_anew(from, future);
+      other.run();
+    } else {
+      other.replay(run_, past, future == 1 ? std::min(from, acted_until) : acted_until, true);
+    }
+    return fails_alike(other);
   }
 
  private:
-  core::Time end_of(std::size_t events) const {
-    core::Time end{};
-    for (std::size_t i = 0; i < events; ++i) end = std::max(end, steps_[i].at + core::Duration{1});
-    return end;
+  std::vector<RecordedStep> those(const std::vector<std::size_t>& events) const {
+    std::vector<RecordedStep> some;
+    for (const std::size_t event : events) some.push_back(steps_[event]);
+    return some;
+  }
+  /// Up to its end only if the promise was broken there, which takes most of the time.
+  bool fails_with(const std::vector<RecordedStep>& steps) const {
+    const core::Time soon = run_.violation()->at + std::chrono::milliseconds(1);
+    RandomFaults again(run_.origin());
+    again.replay(run_, steps, breaks_at_end_ ? run_.acted_until() : std::min(soon, run_.acted_until()), breaks_at_end_);
+    return fails_alike(again);
+  }
+  bool fails_alike(const RandomFaults& run) const {
+    return run.violation() && alike(unmet_of(*run.violation()), wanted_);
+  }
+  /// Just before the next event, so that what the last one has led to by then has happened; behind the very last one,
+  /// at once.
+  core::Time begin_of_future(std::size_t events) const {
+    core::Time begin{};
+    for (std::size_t i = 0; i < events; ++i) begin = std::max(begin, steps_[i].at + core::Duration{1});
+    return events == steps_.size() ? begin : std::max(begin, steps_[events].at - core::Duration{1});
   }
 
-  const std::unique_ptr<scenario::Story> told_;
+  const RandomFaults& run_;
   const Unmet wanted_;
   const std::vector<RecordedStep> steps_;
-  const std::uint64_t seed_;
-  const FoldingRings folding_;
+  const bool breaks_at_end_;
+  std::vector<std::string> words_;
 };
 
 }  // namespace
 
 bool is_small(const scenario::ScenarioSize& size) { return size.faults <= 3 && size.sends <= 10; }
 
-std::string scenario_of(const RandomFaults& run, std::uint64_t seed) { return history_of(run, seed).text(); }
+std::string scenario_of(const RandomFaults& run) { return history_of(run).text(); }
 
-std::string scenario_of(const RandomFaults& run, std::uint64_t seed, const std::vector<std::size_t>& steps) {
-  History history = history_of(run, seed);
+std::string scenario_of(const RandomFaults& run, const std::vector<std::size_t>& steps) {
+  History history = history_of(run);
   history.keep(steps);
   return history.text();
 }
 
-std::unique_ptr<scenario::Story> story_of(const RandomFaults& run, std::uint64_t seed, FoldingRings folding) {
-  const History history = history_of(run, seed);
-  auto told = scenario::story_of(scenario::parse_scenario(history.text(), "soak"), seed);
-  if (!told || !run.violation()) return nullptr;
-  return std::make_unique<SeedStory>(std::move(told), *run.violation(), history.steps, seed, folding);
+std::unique_ptr<scenario::Story> story_of(const RandomFaults& run) {
+  auto story = std::make_unique<SeedStory>(run);
+  std::vector<std::size_t> all(story->events());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return story->fails(all) ? std::move(story) : nullptr;
 }
 
-std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64_t seed,
+std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run,
                                             const std::function<void(std::size_t runs)>& tell) {
-  History history = history_of(run, seed);
+  History history = history_of(run);
+  const std::uint64_t seed = run.origin().seed;
   const Scenario whole = scenario::parse_scenario(history.text(), "soak");
   const auto failed = run_scenario(whole, seed);
   if (!failed.unmet) return std::nullopt;

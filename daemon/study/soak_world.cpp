@@ -105,6 +105,13 @@ std::string SoakWorld::describe() const {
 
 using scenario::SoakAction;
 
+const SoakAction* slice_hit(const RecordedStep& step) {
+  const auto* action = std::get_if<SoakAction>(&step.what);
+  if (action == nullptr) return nullptr;
+  return action->kind == SoakAction::Kind::lose_slice || action->kind == SoakAction::Kind::damage_slice ? action
+                                                                                                        : nullptr;
+}
+
 void SoakHistory::add(fault::Name name, NodeId node) {
   fault::Fault fault;
   fault.name = name;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <random>
 #include <string>
 #include <variant>
@@ -75,13 +76,29 @@ struct SoakWorld {
   void differ(core::Settings& settings) const;
 };
 
+/// What only the other worlds have, and no scenario.
+struct WorldAction {
+  enum class Kind : std::uint8_t {
+    part,         ///< two hosts lose each other: the nodes from this one on are one of them
+    regroup,      ///< they reach each other again
+    stand_still,  ///< the node keeps what comes, and does nothing
+    hold_output,  ///< its line takes nothing
+    mend_all
+  } kind = Kind::mend_all;
+  wire::NodeId node{0};
+  std::size_t nodes = 0;  ///< of the part
+  core::Duration lasts{0};
+};
+
 /// One thing that was done to a ring: what, in the words of scenarios, and when. Nodes are ids.
 struct RecordedStep {
   core::Time at{};
-  std::variant<fault::Fault, scenario::Send, scenario::SoakAction> what;
+  std::variant<fault::Fault, scenario::Send, scenario::SoakAction, WorldAction> what;
 };
+/// The slice that it is done to, as it leaves; null: it is done to something else.
+const scenario::SoakAction* slice_hit(const RecordedStep& step);
 
-/// All that was done to a ring, from keep() on, so that a scenario can do it again.
+/// All that was done to a ring, from keep() on, so that it can be done again.
 class SoakHistory {
  public:
   explicit SoakHistory(const sim::VirtualRing& ring) : ring_(ring) {}
@@ -95,6 +112,11 @@ class SoakHistory {
   }
   void add(fault::Name name, wire::NodeId node);
   void add(scenario::SoakAction::Kind kind, wire::NodeId node, bool second_line = false);
+  /// How long an end of a line takes to notice something, or to connect: drawn.
+  void add_wait(core::Duration wait) {
+    if (kept_) waits_[ring_.now()].push_back(wait);
+  }
+  const std::map<core::Time, std::vector<core::Duration>>& waits() const { return waits_; }
 
   /// A slice has left that node; to be called for each, since an action on one is known by its number in its instant.
   void count_slice(wire::NodeId node, core::Line line);
@@ -112,7 +134,8 @@ class SoakHistory {
   const sim::VirtualRing& ring_;
   bool kept_ = false;
   std::vector<RecordedStep> steps_;
-  std::array<std::vector<AtInstant>, 2> leaving_;  ///< by line and node
+  std::map<core::Time, std::vector<core::Duration>> waits_;  ///< in the order in which they were drawn in that instant
+  std::array<std::vector<AtInstant>, 2> leaving_;            ///< by line and node
 };
 
 }  // namespace limb_ring::study

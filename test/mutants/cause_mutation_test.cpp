@@ -2,7 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
+
 #include "mutants/mutation.h"
+#include "sim/load_scenario.h"
 #include "study/shrunk_soak.h"
 
 namespace limb_ring::study {
@@ -17,6 +21,7 @@ struct CauseCase {
   Promise promise;
   const char* planted;  ///< one of the needed events has these words
   std::uint64_t first_seed = 1;
+  WorldKind world = WorldKind::usual;
 };
 
 struct Causes : testing::TestWithParam<CauseCase> {
@@ -30,15 +35,24 @@ std::string needed_words(const scenario::Cause& cause, const scenario::Story& st
   return words;
 }
 
+/// The next seed from there on that breaks the promise; null: none of 60 does.
+std::unique_ptr<RandomFaults> broken_run(std::uint64_t first, WorldKind world, Promise promise) {
+  for (std::uint64_t seed = first; seed < first + 60; ++seed) {
+    auto run = std::make_unique<RandomFaults>(seed, FoldingRings::some, world);
+    run->keep_history();
+    run->run();
+    if (run->violation() && run->violation()->promise == promise) return run;
+  }
+  return nullptr;
+}
+
 TEST_P(Causes, AreThePlantedOnes) {
   core::mutation = GetParam().mutation;
   for (std::uint64_t seed = GetParam().first_seed;; ++seed) {
-    ASSERT_LT(seed, GetParam().first_seed + 60);
-    RandomFaults run(seed);
-    run.keep_history();
-    run.run();
-    if (!run.violation() || run.violation()->promise != GetParam().promise) continue;
-    const auto story = story_of(run, seed, FoldingRings::some);
+    const auto run = broken_run(seed, GetParam().world, GetParam().promise);
+    ASSERT_NE(run, nullptr);
+    seed = run->origin().seed;
+    const auto story = story_of(*run);
     if (!story) continue;
     const scenario::Cause cause = scenario::cause_of(*story, [](std::size_t) {});
     SCOPED_TRACE("seed " + std::to_string(seed) + "\n" + text_of(cause, *story));
@@ -80,6 +94,91 @@ INSTANTIATE_TEST_SUITE_P(
         CauseCase{"CancelsNothing", Mutation::cancels_nothing, Promise::true_result, "cancel|reset"},
         CauseCase{"NeverHeals", Mutation::never_heals, Promise::whole_again, "cut|kill|freeze|power|lost"}),
     [](const auto& made) { return std::string(made.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(
+    InOtherWorlds, Causes,
+    testing::Values(CauseCase{"TakesDamagedWide", Mutation::takes_damaged, Promise::undamaged, "damaged", 1,
+                              WorldKind::wide},
+                    CauseCase{"ForgetsDuplicatesParts", Mutation::forgets_duplicates, Promise::exactly_once,
+                              "lost|damaged|delay|stall|cut|mend|freeze|hosts", 1, WorldKind::parts},
+                    CauseCase{"SaysDeliveredStorms", Mutation::says_delivered, Promise::true_result,
+                              "kill|freeze|cut|power|damaged|hosts", 1, WorldKind::storms}),
+    [](const auto& made) { return std::string(made.param.name); });
+
+struct Replays : testing::TestWithParam<WorldKind> {
+  ~Replays() override { core::mutation = Mutation::none; }
+};
+
+// Before anything is left out, the same is done once more, so that it fails in the same picosecond.
+TEST_P(Replays, FailAtTheVeryInstantAtWhichTheSeedDid) {
+  core::mutation = Mutation::counts_one_try;
+  unsigned failed = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    RandomFaults run(seed, FoldingRings::some, GetParam());
+    run.keep_history();
+    run.run();
+    if (!run.violation()) continue;
+    ++failed;
+    RandomFaults again(run.origin());
+    again.replay(run, run.history(), run.acted_until(), true);
+    ASSERT_TRUE(again.violation()) << "seed " << seed;
+    EXPECT_EQ(again.violation()->what(), run.violation()->what()) << "seed " << seed;
+    EXPECT_EQ(again.violation()->at, run.violation()->at) << "seed " << seed;
+  }
+  EXPECT_GT(failed, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Replays,
+                         testing::Values(WorldKind::usual, WorldKind::wide, WorldKind::parts, WorldKind::storms),
+                         [](const auto& made) {
+                           return std::string(kWorldNames[static_cast<std::size_t>(made.param)]);
+                         });
+
+struct Seals : testing::Test {
+  ~Seals() override { core::mutation = Mutation::none; }
+};
+
+/// It needs one damaged slice, and no other event of the whole story does the same.
+std::optional<std::size_t> only_damaged(const scenario::Cause& cause, const scenario::Story& story) {
+  std::optional<std::size_t> damaged;
+  for (const auto& needed : cause.needed) {
+    if (!needed.alone_heals) return std::nullopt;
+    if (story.words(needed.event).find("damaged") != std::string::npos) damaged = needed.event;
+  }
+  return damaged;
+}
+
+// If a node takes what is damaged, it is certain as soon as the slice is hit, and not before. If all is mended then,
+// the slice has been hit all the same.
+TEST_F(Seals, TheDamagedSliceItselfMakesItCertain) {
+  core::mutation = Mutation::takes_damaged;
+  for (const WorldKind world : {WorldKind::usual, WorldKind::wide, WorldKind::parts, WorldKind::storms}) {
+    unsigned stories = 0;
+    for (std::uint64_t seed = 1; stories < 2; ++seed) {
+      const auto run = broken_run(seed, world, Promise::undamaged);
+      ASSERT_NE(run, nullptr);
+      seed = run->origin().seed;
+      const auto story = story_of(*run);
+      ASSERT_NE(story, nullptr);
+      const scenario::Cause cause = scenario::cause_of(*story, [](std::size_t) {});
+      const auto damaged = only_damaged(cause, *story);
+      if (!damaged) continue;
+      ++stories;
+      EXPECT_EQ(cause.sealed_by, damaged) << "seed " << seed << "\n" << text_of(cause, *story);
+    }
+  }
+}
+
+TEST_F(Seals, TheDamagedSliceItselfMakesAScenarioCertain) {
+  core::mutation = Mutation::takes_damaged;
+  const auto run = broken_run(1, WorldKind::usual, Promise::undamaged);
+  ASSERT_NE(run, nullptr);
+  const auto story = scenario::story_of(scenario::parse_scenario(scenario_of(*run), "told.yaml"), run->origin().seed);
+  ASSERT_NE(story, nullptr);
+  const scenario::Cause cause = scenario::cause_of(*story, [](std::size_t) {});
+  EXPECT_TRUE(only_damaged(cause, *story));
+  EXPECT_EQ(cause.sealed_by, only_damaged(cause, *story)) << text_of(cause, *story);
+}
 
 }  // namespace
 }  // namespace limb_ring::study

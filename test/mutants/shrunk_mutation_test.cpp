@@ -36,7 +36,7 @@ struct ShrunkMutations : testing::TestWithParam<ShrunkCase> {
       run.run();
       if (!run.violation() || run.violation()->promise != GetParam().promise) continue;
       ++broken;
-      smaller = shrunk_soak(run, seed, [](std::size_t) {});
+      smaller = shrunk_soak(run, [](std::size_t) {});
     }
     return smaller;
   }
@@ -108,7 +108,7 @@ TEST(ScenarioOfASeed, FailsAtTheVeryInstantAtWhichTheSeedDid) {
     run.run();
     if (!run.violation()) continue;
     ++failed;
-    scenario::Scenario again = scenario::parse_scenario(scenario_of(run, seed), "again.yaml");
+    scenario::Scenario again = scenario::parse_scenario(scenario_of(run), "again.yaml");
     name_nodes(again);
     const auto result = run_scenario(again, seed);
     ASSERT_TRUE(result.unmet) << "seed " << seed;

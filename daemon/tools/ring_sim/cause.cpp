@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 
+#include "sim/load_scenario.h"
 #include "study/shrunk_soak.h"
 #include "tools/common/command_line.h"
 #include "tools/common/ring_file.h"
@@ -15,19 +16,36 @@ namespace {
 struct CauseOptions {
   std::uint64_t seed = 0;
   study::FoldingRings folding = study::FoldingRings::some;
+  study::WorldKind world = study::WorldKind::usual;
+  unsigned drift = 0;                 ///< ppm
+  const sim::Goal* sought = nullptr;  ///< that the seed has sought
   std::string out;
 };
+
+/// @throw UsageError
+void check(const CauseOptions& options) {
+  const bool usual = world_for(options.sought, options.world) == study::WorldKind::usual;
+  if (!options.out.empty() && !(usual && options.drift == 0 && options.sought == nullptr))
+    throw UsageError(
+        "--out goes only with seeds of the usual world that have neither --drift nor --seek: no scenario has the rest. "
+        "Without it the cause is printed all the same");
+}
 
 void write_needed(const study::RandomFaults& run, const CauseOptions& options, const scenario::Cause& cause) {
   std::vector<std::size_t> events;
   for (const scenario::Cause::Needed& needed : cause.needed) events.push_back(needed.event);
-  const std::string problem = app::write_file(options.out, study::scenario_of(run, options.seed, events));
+  const std::string text = study::scenario_of(run, events);
+  const std::string problem = app::write_file(options.out, text);
   if (!problem.empty()) throw UsageError("--out: " + problem);
-  std::cout << "These events alone: ringctl scenario run " << app::shell_word(options.out) << '\n';
+  const auto told = run_scenario(scenario::parse_scenario(text, options.out), options.seed);
+  std::cout << "These events alone: ringctl scenario run " << app::shell_word(options.out)
+            << (told.unmet ? "" : " (as a scenario they do not fail: only the seed shows it)") << '\n';
 }
 
 int find_cause(const CauseOptions& options) {
-  study::RandomFaults run(options.seed, options.folding);
+  check(options);
+  study::RandomFaults run(study::RandomFaults::Origin{
+      options.seed, options.folding, world_for(options.sought, options.world), {options.sought, options.drift}});
   run.keep_history();
   run.run();
   std::cout << "seed " << options.seed << ": " << run.describe() << '\n';
@@ -36,9 +54,9 @@ int find_cause(const CauseOptions& options) {
     return kBroken;
   }
   std::cout << "promise broken: " << to_string(run.violation()->promise) << ": " << run.violation()->what() << '\n';
-  const auto story = study::story_of(run, options.seed, options.folding);
+  const auto story = study::story_of(run);
   if (!story) {
-    std::cerr << "ring_sim: as a scenario it does not fail: only the seed shows it\n";
+    std::cerr << "ring_sim: the same events, done once more, do not fail: only the seed shows it\n";
     return kBroken;
   }
   Progress progress;
@@ -55,13 +73,18 @@ void add_cause(CLI::App& app, Context& context) {
   auto options = std::make_shared<CauseOptions>();
   CLI::App* command = add_command(
       app, "cause", "Say which event makes a seed of soak fail, and what would save it", "ring_sim cause 4711",
-      "Runs the seed again with fewer events, and with other futures from each of them on. Only in soak's usual world. "
-      "Ends with 1 if the seed breaks no promise.");
+      "Runs the seed again with fewer events, and with other futures from each of them on. Takes the options that soak "
+      "prints behind 'again with'. Ends with 1 if the seed breaks no promise.");
   command->add_option("SEED", options->seed, "The seed, above 0")
       ->required()
       ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
   add_folding(*command, options->folding, "mixed (default) or foldback, as of ring_sim soak");
-  command->add_option("-o,--out", options->out, "Write the story with the needed events alone there, as a scenario");
+  add_world(*command, options->world, options->drift);
+  command->add_option_function<std::string>(
+      "--seek", [options](const std::string& name) { options->sought = &sim::goals()[read_goal(name)]; },
+      "The goal that the seed has sought");
+  command->add_option("-o,--out", options->out,
+                      "Write the story with the needed events alone there, as a scenario; of the usual world only");
   command->callback([&context, options] { context.action = [options] { return find_cause(*options); }; });
 }
 

@@ -1,5 +1,6 @@
 #include "tools/ring_sim/command_line.h"
 
+#include <algorithm>
 #include <iostream>
 #include <limits>
 
@@ -76,6 +77,47 @@ void add_folding(CLI::App& command, study::FoldingRings& folding, const std::str
           },
           help)
       ->transform(cli::one_of({"mixed", "foldback"}));
+}
+
+void add_world(CLI::App& command, study::WorldKind& world, unsigned& drift) {
+  const auto& names = study::kWorldNames;
+  command
+      .add_option_function<std::string>(
+          "--world",
+          [&world, &names](const std::string& what) {
+            world = static_cast<study::WorldKind>(std::find(names.begin(), names.end(), what) - names.begin());
+          },
+          "usual (default); wide: sparse ids, now and then up to 254 nodes, lines of different kinds, nodes and "
+          "lines that stand still; parts: like wide with up to 16 nodes, hosts that lose each other and regroup, "
+          "line ends that notice late, several faults within one lap; storms: 3 to 6 nodes that fold back, cut and "
+          "mended again and again before such a series of faults")
+      ->transform(cli::one_of({names.begin(), names.end()}));
+  command
+      .add_option("--drift", drift,
+                  "Each node's clock is up to N millionths too fast or too slow, 0 to 100000; default 0")
+      ->transform(cli::whole(0, 100'000));
+}
+
+static_assert(static_cast<int>(sim::NeedsWorld::usual) == static_cast<int>(study::WorldKind::usual) &&
+              static_cast<int>(sim::NeedsWorld::wide) == static_cast<int>(study::WorldKind::wide) &&
+              static_cast<int>(sim::NeedsWorld::parts) == static_cast<int>(study::WorldKind::parts));
+
+study::WorldKind world_for(const sim::Goal* sought, study::WorldKind world) {
+  return sought == nullptr ? world : std::max(world, static_cast<study::WorldKind>(sought->world));
+}
+
+std::string world_options(study::FoldingRings folding, study::WorldKind world, unsigned drift,
+                          const sim::Goal* sought) {
+  std::string text = folding == study::FoldingRings::all ? " --redundancy foldback" : "";
+  if (world != study::WorldKind::usual)
+    text += std::string(" --world ") + study::kWorldNames[static_cast<std::size_t>(world)];
+  if (drift != 0) text += " --drift " + std::to_string(drift);
+  return text + (sought == nullptr ? "" : std::string(" --seek ") + sought->name);
+}
+
+std::size_t read_goal(const std::string& name) {
+  if (const auto goal = sim::goal_named(name)) return *goal;
+  throw CLI::ValidationError("--seek", "'" + name + "' is not a goal; 'ring_sim soak --goals' lists them");
 }
 
 void add_seed(CLI::App& command, std::uint64_t& seed) {

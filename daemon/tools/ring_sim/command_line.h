@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/goals.h"
 #include "study/model_ring.h"
 #include "study/soak_world.h"
 #include "tools/common/text_table.h"
@@ -40,6 +41,14 @@ void add_lines(CLI::App& command, study::Medium& medium);
 
 /// Adds --redundancy, of rings that are drawn by seed: mixed or foldback. @param help of that option
 void add_folding(CLI::App& command, study::FoldingRings& folding, const std::string& help);
+/// Adds --world and --drift, of those rings.
+void add_world(CLI::App& command, study::WorldKind& world, unsigned& drift);
+/// The world that is asked for, or the least that can meet what is sought.
+study::WorldKind world_for(const sim::Goal* sought, study::WorldKind world);
+/// The options that give these rings again, each behind a space; none for what is usual.
+std::string world_options(study::FoldingRings folding, study::WorldKind world, unsigned drift, const sim::Goal* sought);
+/// A goal by its name. @throw CLI::ValidationError
+std::size_t read_goal(const std::string& name);
 
 /// Adds --seed, of everything random; 1 where it is not given.
 void add_seed(CLI::App& command, std::uint64_t& seed);

@@ -36,8 +36,6 @@ struct SoakOptions {
   app::Format format = app::Format::text;
 };
 
-const char* const kWorlds[] = {"usual", "wide", "parts", "storms"};  // by study::WorldKind
-
 /// In how many seeds a goal was met, and how often.
 struct GoalTally {
   std::uint64_t seeds = 0, times = 0;
@@ -73,15 +71,6 @@ struct Tally {
 
 bool can_meet(study::WorldKind world, const sim::Goal& goal) {
   return static_cast<int>(world) >= static_cast<int>(goal.world);
-}
-
-static_assert(static_cast<int>(sim::NeedsWorld::usual) == static_cast<int>(study::WorldKind::usual) &&
-              static_cast<int>(sim::NeedsWorld::wide) == static_cast<int>(study::WorldKind::wide) &&
-              static_cast<int>(sim::NeedsWorld::parts) == static_cast<int>(study::WorldKind::parts));
-
-/// The world that is asked for, or the least that can meet the goal.
-study::WorldKind world_for(const sim::Goal* goal, const SoakOptions& options) {
-  return goal == nullptr || can_meet(options.world, *goal) ? options.world : static_cast<study::WorldKind>(goal->world);
 }
 
 std::string names_of(const std::vector<std::size_t>& goals) {
@@ -148,21 +137,17 @@ std::string goals_text(const Tally& tally, const SoakOptions& options) {
 
 std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, const SoakOptions& options,
                            const sim::Goal* sought) {
-  const study::WorldKind world = world_for(sought, options);
   const sim::Violation& broken = *run.violation();
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
          "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
-         (options.folding == study::FoldingRings::all ? " --redundancy foldback" : "") +
-         (world == study::WorldKind::usual ? "" : std::string(" --world ") + kWorlds[static_cast<std::size_t>(world)]) +
-         (options.drift == 0 ? "" : " --drift " + std::to_string(options.drift)) +
-         (sought == nullptr ? "" : std::string(" --seek ") + sought->name) + "\n";
+         world_options(options.folding, world_for(sought, options.world), options.drift, sought) + "\n";
 }
 
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
 /// @return false where it is still large
 bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std::string& folder, Progress& progress) {
-  const auto shrunk = study::shrunk_soak(run, seed, [&](std::size_t runs) {
+  const auto shrunk = study::shrunk_soak(run, [&](std::size_t runs) {
     progress.tell("the smallest scenario of seed " + std::to_string(seed) + ": " + std::to_string(runs) + " tried");
   });
   if (!shrunk) {
@@ -215,7 +200,8 @@ class Soak {
   bool run_seed(std::uint64_t seed) {
     seeking_.learn(tally_, seed);
     const sim::Goal* goal = seeking_.goal_of(seed);
-    study::RandomFaults faults(seed, options_.folding, world_for(goal, options_), {goal, options_.drift});
+    study::RandomFaults faults(
+        study::RandomFaults::Origin{seed, options_.folding, world_for(goal, options_.world), {goal, options_.drift}});
     faults.count_goals();
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
@@ -277,25 +263,6 @@ void add_seeds(CLI::App& command, SoakOptions& options) {
       ->transform(cli::whole(1, kMostSeeds));
 }
 
-void add_world(CLI::App& command, SoakOptions& options) {
-  add_folding(command, options.folding, "mixed: a third of the rings folds back (default); foldback: all of them");
-  command
-      .add_option_function<std::string>(
-          "--world",
-          [&options](const std::string& what) {
-            options.world = static_cast<study::WorldKind>(std::find(kWorlds, std::end(kWorlds), what) - kWorlds);
-          },
-          "usual (default); wide: sparse ids, now and then up to 254 nodes, lines of different kinds, nodes and "
-          "lines that stand still; parts: like wide with up to 16 nodes, hosts that lose each other and regroup, "
-          "line ends that notice late, several faults within one lap; storms: 3 to 6 nodes that fold back, cut and "
-          "mended again and again before such a series of faults")
-      ->transform(cli::one_of({"usual", "wide", "parts", "storms"}));
-  command
-      .add_option("--drift", options.drift,
-                  "Each node's clock is up to N millionths too fast or too slow, 0 to 100000; default 0")
-      ->transform(cli::whole(0, 100'000));
-}
-
 void add_shrink(CLI::App& command, SoakOptions& options) {
   command
       .add_option(
@@ -310,9 +277,7 @@ void add_shrink(CLI::App& command, SoakOptions& options) {
 void seek(const std::string& what, SoakOptions& options) {
   options.seek_unmet = options.seek_unmet || what == "unmet";
   if (what == "unmet") return;
-  const auto goal = sim::goal_named(what);
-  if (!goal) throw CLI::ValidationError("--seek", "'" + what + "' is not a goal; 'ring_sim soak --goals' lists them");
-  options.sought.push_back(*goal);
+  options.sought.push_back(read_goal(what));
 }
 
 void add_goals(CLI::App& command, SoakOptions& options) {
@@ -365,7 +330,8 @@ void add_soak(CLI::App& app, Context& context) {
       add_command(app, "soak", "Check all promises under random traffic and faults", "ring_sim soak --seeds 5000",
                   "Checks at every event, and stops at the first broken promise.");
   add_seeds(*command, *options);
-  add_world(*command, *options);
+  add_folding(*command, options->folding, "mixed: a third of the rings folds back (default); foldback: all of them");
+  add_world(*command, options->world, options->drift);
   add_shrink(*command, *options);
   add_goals(*command, *options);
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");

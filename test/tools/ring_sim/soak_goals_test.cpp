@@ -1,4 +1,4 @@
-// What `ring_sim soak` says of goals: situations in which a ring has to be seen.
+// What `ring_sim soak` says of goals, situations in which a ring has to be seen; and `ring_sim cause` of worlds.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -52,6 +52,17 @@ TEST(SoakGoals, ThatWereNeverMetAreSoughtByEverySecondSeed) {
   const CliRun run = ring_sim({"soak", "--first", "1", "--seeds", "120", "--seek", "unmet"});
   EXPECT_EQ(run.code, kDone) << run.errors;
   EXPECT_THAT(run.errors, HasSubstr("From seed 101 on every second seed seeks one of: "));
+}
+
+TEST(Cause, IsLookedForInEveryWorldAndWrittenOnlyOfTheUsualOne) {
+  for (const char* world : {"usual", "wide", "parts", "storms"}) {
+    const CliRun whole = ring_sim({"cause", "1", "--world", world, "--drift", "100"});
+    EXPECT_EQ(whole.code, kBroken);
+    EXPECT_THAT(whole.errors, HasSubstr("this seed breaks no promise: there is no cause to find")) << world;
+  }
+  const CliRun written = ring_sim({"cause", "1", "--world", "parts", "-o", "cause.yaml"});
+  EXPECT_EQ(written.code, kUsage);
+  EXPECT_THAT(written.errors, HasSubstr("--out goes only with seeds of the usual world"));
 }
 
 }  // namespace
