@@ -15,7 +15,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build docs demo virtual-demo board-demo demo-hosts tests test test-quick soak goals campaign mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
+.PHONY: help all build docs demo virtual-demo board-demo demo-hosts tests test test-quick soak goals compared campaign mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -80,7 +80,12 @@ soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 
 # In how many seeds each situation was met that a ring should be seen in; into docs/explanation/soak.md.
 goals: build ## In how many seeds each goal was met, into docs/explanation/soak.md (SEEDS=20000)
-	$(PYTHON) scripts/goals_table --seeds $(SEEDS) --programs $(BUILD)/devel/lib/limb_ring
+	$(PYTHON) scripts/soak_tables goals --seeds $(SEEDS) --programs $(BUILD)/devel/lib/limb_ring
+
+# Core and model of the specification, over random histories of each world; Ctrl-C ends it, and it writes what it has.
+compared: deps $(BUILD)/CMakeCache.txt ## Core and model over SEEDS histories of each world, into docs/explanation/soak.md
+	$(BUILD_TARGET) test_model
+	$(PYTHON) scripts/soak_tables compared --seeds $(SEEDS) --test-model $(BUILD)/tests/test_model
 
 # All that looks for broken promises, in turns, with fresh seeds; goes on after an interruption.
 HOURS ?= 1

@@ -1,4 +1,6 @@
-"""scripts/campaign, with a ring_sim that is none: it takes turns, says what ran, and goes on where it was."""
+"""scripts/campaign, with programs that are none: it takes turns, says what ran, and goes on where it was; and
+scripts/soak_tables with a test that is none.
+"""
 import json
 import os
 import stat
@@ -7,18 +9,20 @@ import sys
 import tempfile
 import unittest
 
-CAMPAIGN = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), 'scripts', 'campaign')
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+CAMPAIGN = os.path.join(ROOT, 'scripts', 'campaign')
 
 RING_SIM = '''#!%s
 import json, signal, sys
 if sys.argv[1] == 'cause':
-    print('THE CAUSE of ' + sys.argv[2])
+    print('THE CAUSE of ' + ' '.join(sys.argv[2:]))
     sys.exit(0)
 if '--shrink' in sys.argv:
     sys.exit(1)
 first = int(sys.argv[sys.argv.index('--first') + 1])
-if %r and '--world' not in sys.argv and '--redundancy' not in sys.argv:
-    sys.stderr.write('seed %%d: 4 nodes\\npromise broken: whole again\\nagain with: ring_sim soak --first %%d --seeds 1\\n' %% (first, first))
+if %r:
+    more = ''.join(' ' + word for word in sys.argv[sys.argv.index('--json') + 1:])
+    sys.stderr.write('seed %%d: 4 nodes\\npromise broken: whole again\\nagain with: ring_sim soak --first %%d --seeds 1%%s\\n' %% (first, first, more))
     sys.stderr.flush()
 signal.sigwait([signal.SIGINT])
 print(json.dumps({'seeds': 7, 'goals': {'cut_off': {'seeds': 3, 'times': 4}, 'none_left': {'seeds': 0, 'times': 0}}}))
@@ -26,21 +30,39 @@ sys.exit(1)
 '''
 
 
+# As a target of libFuzzer ends.
+TARGET = '''#!%s
+print('#9 DONE cov: 12 ft: 13')
+print('stat::number_of_executed_units: 9')
+'''
+
+TEST_MODEL = '''#!%s
+import os, sys
+parts = os.environ['MODEL_WORLD'] == 'parts'
+print(os.environ['MODEL_SEEDS'] + ' histories of seeds from ' + os.environ['MODEL_FIRST'] + ' on, of which 1 fold back, 20 outputs compared, '
+      + ('1' if parts else '0') + ' histories parted')
+sys.exit(1 if parts else 0)
+'''
+
+
+def put_program(path, text):
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, 'w', encoding='utf-8') as file:
+        file.write(text)
+    os.chmod(path, stat.S_IRWXU)
+
+
 class CampaignTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.programs, self.folder = os.path.join(folder.name, 'programs'), os.path.join(folder.name, 'campaign')
-        os.mkdir(self.programs)
 
     def put_ring_sim(self, fails):
-        path = os.path.join(self.programs, 'ring_sim')
-        with open(path, 'w', encoding='utf-8') as file:
-            file.write(RING_SIM % (sys.executable, fails))
-        os.chmod(path, stat.S_IRWXU)
+        put_program(os.path.join(self.programs, 'ring_sim'), RING_SIM % (sys.executable, fails))
 
-    def campaign(self, hours, *more):
-        return subprocess.run([sys.executable, CAMPAIGN, '--programs', self.programs, '--folder', self.folder, '--only', 'soak',
+    def campaign(self, hours, *more, only='soak'):
+        return subprocess.run([sys.executable, CAMPAIGN, '--programs', self.programs, '--folder', self.folder, '--only', only,
                                '--minutes', '0.005', '--hours', str(hours), *more],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300, check=False)
 
@@ -71,12 +93,48 @@ class CampaignTest(unittest.TestCase):
         seeds = [turn['command'][3] for turn in self.turns()]
         self.assertEqual(len(set(seeds)), len(seeds), 'a seed was drawn twice')
 
-    def test_a_failed_seed_is_on_the_page_with_its_cause(self):
+    def test_a_failed_seed_is_on_the_page_with_its_cause_whatever_its_world(self):
         self.put_ring_sim(True)
-        done = self.campaign(0.0001)
+        done = self.campaign(0.0015)
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn('promise broken: whole again', self.page())
-        self.assertIn('THE CAUSE of ' + self.turns()[0]['command'][3], self.page())
+        for turn in self.turns():
+            options = turn['command'][turn['command'].index('--json') + 1:]
+            self.assertIn(' '.join(['THE CAUSE of', turn['command'][3], *options]) + '\n', self.page())
+
+    def test_fuzzing_shares_its_turn_among_all_targets_and_the_page_says_how_much_ran(self):
+        self.put_ring_sim(False)
+        for target in ('slices', 'packets'):
+            put_program(os.path.join(self.folder, 'fuzz', 'tests', 'fuzz_' + target), TARGET % sys.executable)
+        done = self.campaign(0.0001, '--fuzz', os.path.join(self.folder, 'fuzz'), '--minutes', '0.1', only='fuzz')
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(self.turns()[0]['command'][5], '2', 'seconds: half of the least turn')
+        self.assertIn('2 targets, 18 executions', self.page())
+
+    def test_a_build_without_fuzz_targets_is_refused(self):
+        self.put_ring_sim(False)
+        done = self.campaign(0.0001, '--fuzz', self.folder, only='fuzz')
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn('`make fuzz` builds them', done.stdout)
+
+
+class ComparedTest(unittest.TestCase):
+    def test_the_table_counts_the_histories_of_each_world_and_those_that_parted(self):
+        with tempfile.TemporaryDirectory() as folder:
+            test_model, page = os.path.join(folder, 'test_model'), os.path.join(folder, 'soak.md')
+            put_program(test_model, TEST_MODEL % sys.executable)
+            with open(page, 'w', encoding='utf-8') as file:
+                file.write('<!-- compared: written by scripts/soak_tables -->\nTHE LAST ONE\n<!-- end of compared -->\n')
+            done = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', 'soak_tables'), 'compared', '--test-model', test_model,
+                                   '--seeds', '130', '--first', '7', '--page', page],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300, check=False)
+            self.assertEqual(done.returncode, 1, done.stdout)
+            with open(page, encoding='utf-8') as file:
+                text = file.read()
+            self.assertIn('| `usual` | 130 | 7 | 2 | 40 | 0 |', text)
+            self.assertIn('| `parts` | 130 | 267 | 2 | 40 | 2 |', text)
+            self.assertIn('| all | 520 | | 8 | 160 | 2 |', text)
+            self.assertNotIn('THE LAST ONE', text)
 
 
 if __name__ == '__main__':
