@@ -11,7 +11,6 @@
 #include "limb_ring/ring_directory.h"
 #include "ring/ring_files.h"
 #include "tools/common/command_line.h"
-#include "tools/ringctl/answers.h"
 #include "tools/ringctl/hosts.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/screen.h"

@@ -13,7 +13,6 @@
 #include "limb_ring/ring_directory.h"
 #include "ring/ring_files.h"
 #include "tools/common/text_table.h"
-#include "tools/ringctl/answers.h"
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/ring_folder.h"

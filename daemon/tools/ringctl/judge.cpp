@@ -12,7 +12,6 @@
 #include "ring/observed_daemon.h"
 #include "tools/common/command_line.h"
 #include "tools/common/text_table.h"
-#include "tools/ringctl/answers.h"
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/ring_folder.h"

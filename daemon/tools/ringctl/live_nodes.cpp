@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "tools/ringctl/answers.h"
 #include "tools/ringctl/ring_access.h"
 
 namespace limb_ring::ringctl {

@@ -9,7 +9,6 @@
 #include "ring/reset_node.h"
 #include "ring/status_rows.h"
 #include "tools/common/command_line.h"
-#include "tools/ringctl/answers.h"
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/screen.h"

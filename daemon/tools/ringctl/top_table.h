@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/ringctl/answers.h"
+#include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {

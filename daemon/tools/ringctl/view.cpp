@@ -16,12 +16,10 @@
 #include "limb_ring/payload/packet_type.h"
 #include "tools/common/command_line.h"
 #include "tools/ringctl/command_line.h"
-#include "tools/ringctl/line_report.h"
 #include "tools/ringctl/live_dump.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/status_rows.h"
 #include "tools/ringctl/top_table.h"
-#include "tools/ringctl/view_server.h"
 #include "wire/packet.h"
 
 namespace limb_ring::ringctl {

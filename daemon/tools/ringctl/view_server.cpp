@@ -1,4 +1,4 @@
-#include "tools/ringctl/view_server.h"
+#include "tools/ringctl/view.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -31,7 +31,6 @@
 #include "limb_ring/ring_directory.h"
 #include "ring/ring_files.h"
 #include "tools/ringctl/screen.h"
-#include "tools/ringctl/view.h"
 
 namespace limb_ring::ringctl {
 

@@ -10,7 +10,6 @@
 #include "io/signal_wait.h"
 #include "ring/launched_ring.h"
 #include "tools/common/command_line.h"
-#include "tools/ringctl/answers.h"
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/screen.h"

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/ringctl/line_report.h"
 #include "tools/ringctl/status_rows.h"
 #include "tools/ringctl/top_table.h"
 #include "tools/ringctl/wait.h"

@@ -3,7 +3,6 @@
 
 #include "support/node_rows.h"
 #include "tools/ringctl/fault.h"
-#include "tools/ringctl/line_report.h"
 #include "tools/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {

@@ -7,7 +7,6 @@
 #include "support/node_rows.h"
 #include "tools/common/text_table.h"
 #include "tools/ringctl/clock.h"
-#include "tools/ringctl/line_report.h"
 #include "tools/ringctl/screen.h"
 #include "tools/ringctl/send.h"
 #include "tools/ringctl/status_rows.h"

@@ -9,7 +9,7 @@
 #include "client/fake_daemon.h"
 #include "support/own_folder.h"
 #include "support/thrown.h"
-#include "tools/ringctl/answers.h"
+#include "tools/ringctl/ring_access.h"
 #include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {

@@ -1,7 +1,7 @@
 // What the server of `ringctl view` takes from a page, and for whom it answers.
 #include <gmock/gmock.h>
 
-#include "tools/ringctl/view_server.h"
+#include "tools/ringctl/view.h"
 
 namespace limb_ring::ringctl {
 namespace {
