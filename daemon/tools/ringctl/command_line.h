@@ -50,6 +50,8 @@ void add_log(CLI::App& app, Context& context);
 void add_view(CLI::App& app, Context& context);
 void add_traffic(CLI::App& app, Context& context);            ///< show, events, why, judge, again
 void add_traffic_judge(CLI::App& traffic, Context& context);  ///< below `traffic`
+void add_traffic_why(CLI::App& traffic, Context& context);    ///< below `traffic`
+void add_traffic_again(CLI::App& traffic, Context& context);  ///< below `traffic`
 void add_record(CLI::App& app, Context& context);             ///< save, keep, check
 void add_send(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);

@@ -1,4 +1,4 @@
-#include "tools/ringctl/replay_plan.h"
+#include "tools/ringctl/traffic_again.h"
 
 #include <gmock/gmock.h>
 

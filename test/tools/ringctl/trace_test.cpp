@@ -10,7 +10,7 @@
 #include "support/own_folder.h"
 #include "tools/ringctl/run_ringctl.h"
 #include "tools/ringctl/screen.h"
-#include "tools/ringctl/trace_views.h"
+#include "tools/ringctl/traffic_why.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -1,13 +1,25 @@
-#include "tools/ringctl/trace_views.h"
+#include "tools/ringctl/traffic_why.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "config/quantity.h"
 #include "config/urdf_joints.h"
-#include "tools/common/packet_text.h"
-#include "tools/common/text_table.h"
+#include "tools/common/command_line.h"
+#include "tools/common/ring_file.h"
+#include "tools/common/timeline.h"
+#include "tools/ringctl/command_line.h"
+#include "tools/ringctl/live_dump.h"
+#include "tools/ringctl/screen.h"
 #include "wire/packet.h"
+#include "wire/pcapng.h"
+#include "wire/traced_ring.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -332,6 +344,192 @@ std::string trace_json(const capture::PacketTrace& trace, const RingNames& names
            {"hops", json::array()}};
   for (std::size_t place = 0; place < trace.hops.size(); ++place) row["hops"].push_back(hop_row(trace, place, names));
   return row.dump();
+}
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+constexpr double kUsualLook = 5;  // s
+
+struct WhyOptions {
+  std::string file, source, at, over, svg, perfetto;
+  std::optional<double> lasts_s;  ///< of a living ring
+  std::optional<unsigned> sequence;
+  std::size_t count = 1;
+  bool live = false, json = false;
+};
+
+nanoseconds time_over(const std::string& text) {
+  const auto time = config::parse_time(text);
+  if (!time) throw UsageError("--over " + text + ": not a time; one is 200us, 1.5ms or 5s");
+  return *time;
+}
+
+/// With a unit, the time since the first packet; without, seconds as `traffic show` prints them. Parsed by hand, as a
+/// double would lose the ns.
+nanoseconds instant_of(const std::string& text, nanoseconds first) {
+  constexpr std::size_t kDecimals = 9;
+  constexpr std::int64_t kLatest = std::chrono::floor<std::chrono::seconds>(nanoseconds::max()).count() - 1;
+  if (const auto since = config::parse_time(text)) return first + std::min(*since, nanoseconds::max() - first);
+  const std::size_t point = text.find('.');
+  std::string decimals = point == std::string::npos ? "" : text.substr(point + 1);
+  decimals.resize(std::max(decimals.size(), kDecimals), '0');
+  const auto whole = config::parse_integer(text.substr(0, point));
+  const auto parts = config::parse_integer(decimals);
+  const bool plain = text.find_first_not_of("0123456789.") == std::string::npos;  // -0.5 has a whole part of 0, too
+  if (!plain || !whole || !parts || *whole > kLatest || decimals.size() != kDecimals)
+    throw UsageError("--at " + text +
+                     ": not a time; one is 12.5ms since the first packet, or 1763757352.123456789 as "
+                     "'ringctl traffic show' prints it");
+  return std::chrono::seconds(*whole) + nanoseconds(*parts);
+}
+
+capture::TripChoice choice_of(const WhyOptions& options, const SeenPackets& seen) {
+  capture::TripChoice choice;
+  if (!options.source.empty()) choice.source = node_of(options.source, seen.names);
+  if (options.sequence) choice.sequence = static_cast<std::uint8_t>(*options.sequence);
+  if (!options.over.empty()) choice.over = time_over(options.over);
+  if (options.at.empty()) return choice;
+  nanoseconds first = seen.packets.empty() ? nanoseconds(0) : seen.packets.front().began;
+  for (const capture::SeenPacket& packet : seen.packets) first = std::min(first, packet.began);
+  choice.at = instant_of(options.at, first);
+  return choice;
+}
+
+void check(const Context& context, const WhyOptions& options) {
+  if (options.live != options.file.empty())
+    throw UsageError("traffic why: either FILE, a capture, or --live: choose one of them");
+  if (!options.live && !context.ring.empty()) throw UsageError("traffic why: FILE and --ring: choose one of them");
+  if (options.lasts_s && !options.live) throw UsageError("--for: how long to capture, with --live");
+  for (const auto& [option, path] : {std::pair("--svg", options.svg), std::pair("--perfetto", options.perfetto)})
+    if (app::is_same_file(options.file, path))
+      throw UsageError(std::string(option) + " names the capture itself: " + path +
+                       " would be lost; write into another file");
+  if (!options.live) return;
+  if (!options.at.empty()) throw UsageError("--at: of a capture; what is to come with --live has no time yet");
+}
+
+SeenPackets seen_packets(const Context& context, const WhyOptions& options) {
+  if (!options.live) return packets_of_file(options.file);
+  return packets_of_ring(context.ring, nanoseconds(std::llround(options.lasts_s.value_or(kUsualLook) * 1e9)));
+}
+
+/// Of many millions of packets that takes seconds.
+std::unique_ptr<capture::TracedRing> sorted(std::vector<capture::SeenPacket> packets) {
+  std::unique_ptr<capture::TracedRing> ring;
+  const std::string what = "sorting " + std::to_string(packets.size()) + " packets";
+  while_telling(
+      {}, [&] { ring = std::make_unique<capture::TracedRing>(std::move(packets)); }, what);
+  return ring;
+}
+
+/// Where one is asked for and it is not open yet. @throw UsageError
+void open_picture(std::ofstream& picture, const WhyOptions& options) {
+  const std::string& path = options.perfetto.empty() ? options.svg : options.perfetto;
+  if (path.empty() || picture.is_open()) return;
+  const std::string problem = app::open_for_writing(picture, path);
+  if (!problem.empty()) throw UsageError(problem);
+}
+
+int write_timeline(const SeenPackets& seen, std::ofstream& file, const WhyOptions& options) {
+  open_picture(file, options);
+  app::write_timeline(file, seen.names, seen.packets, seen.events);
+  const std::string problem = cli::finish_writing(file, options.perfetto);
+  if (!problem.empty()) throw NotDone(problem);
+  std::cout << "wrote " << options.perfetto << ", which ui.perfetto.dev opens" << std::endl;
+  return kDone;
+}
+
+void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const WhyOptions& options,
+          const SeenPackets& seen) {
+  for (std::size_t i = 0; i < trips.size(); ++i) {
+    const capture::PacketTrace trace = ring.trace(trips[i]);
+    if (options.json)
+      std::cout << trace_json(trace, seen.names) << '\n';
+    else
+      std::cout << (i == 0 ? "" : "\n") << trace_text(trace, seen.names);
+  }
+  std::cout << std::flush;
+}
+
+void draw(const capture::PacketTrace& trace, const capture::RingNames& names, std::ofstream& picture,
+          const WhyOptions& options) {
+  picture << trace_svg(trace, names);
+  const std::string problem = cli::finish_writing(picture, options.svg);
+  if (!problem.empty()) throw NotDone(problem);
+}
+
+/// At least one, and no more than were asked for. @throw NotDone
+std::vector<std::size_t> chosen_trips(const capture::TracedRing& ring, const capture::TripChoice& choice,
+                                      std::size_t count) {
+  std::vector<std::size_t> trips = choose_trips(ring, choice);
+  if (trips.empty()) throw NotDone("no such packet among " + std::to_string(ring.trips()) + " that were seen");
+  if (count == 0 || trips.size() <= count) return trips;
+  tell_user(std::to_string(count) + " of " + std::to_string(trips.size()) + " that fit; -n shows more");
+  trips.resize(count);
+  return trips;
+}
+
+int run(const Context& context, const WhyOptions& options) {
+  check(context, options);
+  // A live capture takes a while: whether the picture can be written shows before. Opening it empties an older one,
+  // so where a capture file is read, which may fail, it is opened after that.
+  std::ofstream picture;
+  if (options.live) open_picture(picture, options);
+  SeenPackets seen = seen_packets(context, options);
+  const capture::TripChoice choice = choice_of(options, seen);
+  if (seen.lost != 0) tell_user(std::to_string(seen.lost) + " packets are missing in this capture; paths have gaps");
+  if (!options.perfetto.empty()) return write_timeline(seen, picture, options);
+  const bool any = !seen.packets.empty();
+  const auto sorted_ring = sorted(std::move(seen.packets));
+  const capture::TracedRing& ring = *sorted_ring;
+  if (any && !ring.outputs_seen())
+    throw UsageError(options.file +
+                     ": what packets waited for shows only where they go out too; 'ringctl traffic show all "
+                     "--at in,out -w FILE' captures that, or --capture FILE --outputs under the virtual clock");
+  const std::vector<std::size_t> trips = chosen_trips(ring, choice, options.count);
+  open_picture(picture, options);
+  show(ring, trips, options, seen);
+  if (picture.is_open()) draw(ring.trace(trips.front()), seen.names, picture, options);
+  return kDone;
+}
+
+void add_options(CLI::App& command, WhyOptions& options) {
+  command.add_option("FILE", options.file, "A pcapng capture of inputs and outputs; - is standard input");
+  command.add_flag("--live", options.live, "Look at all lines of the running ring instead");
+  command.add_option("--for", options.lasts_s, "With --live: how long; default 5s")
+      ->transform(cli::seconds(0.001, 1e6));
+  command.add_option("--over", options.over, "Only round trips above that, as 200us; all, unless -n is given");
+  command.add_option("--source", options.source, "Only packets of that node, id or name");
+  command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")
+      ->transform(cli::whole(0, 7));
+  command.add_option("--at", options.at,
+                     "Only those that were under way then: 12.5ms since the first packet, or as traffic show -t a");
+  command.add_option("-n,--count", options.count, "At most N, the slowest first; default 1; 0: all")
+      ->transform(cli::whole(0, 1000000000));
+  CLI::Option* svg = command.add_option("--svg", options.svg, "Draw the first of them there");
+  command
+      .add_option("--perfetto", options.perfetto,
+                  "Instead, write all packets and events there as a timeline, which ui.perfetto.dev loads")
+      ->excludes(svg);
+  add_json(command, options.json);
+}
+
+}  // namespace
+
+void add_traffic_why(CLI::App& app, Context& context) {
+  auto options = std::make_shared<WhyOptions>();
+  CLI::App* command = add_command(app, "why", "Explain why packets were late, hop by hop",
+                                  "ringctl traffic why --live --for 5s --count 3",
+                                  "Shows the path of the slowest packet, and what it waited for at each node.");
+  add_options(*command, *options);
+  command->callback([&context, command, options] {
+    if (!options->over.empty() && command->count("--count") == 0) options->count = 0;
+    context.action = [&context, options] { return run(context, *options); };
+  });
 }
 
 }  // namespace limb_ring::ringctl
