@@ -29,6 +29,21 @@ struct Sends {
 Sends send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
                std::chrono::nanoseconds interval = {});
 
+/// Refusals as counted by the destinations' own daemons, if these run on this host. They know the reason, which the
+/// source can only infer from beacons.
+class RefusalCounters {
+ public:
+  /// @param before their status rows from before the sends
+  explicit RefusalCounters(ask::Rows before) : before_(std::move(before)) {}
+
+  /// Replaces the reason of each refused result by the destinations' own, if exactly one reason was counted since.
+  /// @param now rows of the same nodes, after the sends
+  void explain(std::vector<Result>& results, const std::vector<ask::Node>& nodes, const ask::Rows& now) const;
+
+ private:
+  ask::Rows before_;
+};
+
 /// Prints one result, or how many ended how, or all as JSON. @return exit_code(); kNotDone where not all were made, or
 /// have ended.
 /// @throw HostPortError where the daemon has gone meanwhile
