@@ -1,18 +1,23 @@
 #pragma once
 
 #include <geometry_msgs/WrenchStamped.h>
+#include <limb_ring/NodeStatus.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/JointState.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "config/node_row.h"
 #include "config/ring_config.h"
+#include "limb_ring/host_port.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/joint_state.h"
 #include "limb_ring/payload/sensor_reading.h"
@@ -127,5 +132,28 @@ sensor_msgs::JointState to_joint_state(const std::vector<JointStore::Joint>& joi
 sensor_msgs::Imu to_imu(const payload::SensorReading& reading, ros::Time stamp, const std::string& frame);
 geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading, ros::Time stamp,
                                        const std::string& frame);
+
+/// A node about which nothing is known: state "down".
+NodeStatus unheard_node(const config::NodeConfig& node);
+
+/// Fills in the node's own row.
+void merge_status_row(const status::NodeRow& row, NodeStatus& status);
+
+/// Fills in what another node has heard in this node's beacons. If the node's own row is missing, but its last beacon
+/// is at most `fresh` old, its state is `up`.
+void merge_beacon(const status::Heard& heard, std::chrono::milliseconds fresh, NodeStatus& status);
+
+/// A member of a daemon's answer, if it is a whole number.
+inline std::int64_t number_of(const nlohmann::json& said, const char* member, std::int64_t otherwise) {
+  const auto found = said.find(member);
+  return found != said.end() && found->is_number_integer() ? found->get<std::int64_t>() : otherwise;
+}
+
+/// An outcome as one word, for counters and messages: "no_such_node".
+inline std::string outcome_word(std::string outcome) {
+  std::replace(outcome.begin(), outcome.end(), ' ', '_');
+  return outcome;
+}
+inline std::string outcome_word(Outcome outcome) { return outcome_word(to_string(outcome)); }
 
 }  // namespace limb_ring::bridge

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "ros_bridge/node_health.h"
+#include "ros_bridge/health.h"
 
 namespace limb_ring::bridge {
 namespace {

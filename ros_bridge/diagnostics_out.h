@@ -19,8 +19,7 @@
 #include "limb_ring/host_port.h"
 #include "ring/observed_daemon.h"
 #include "ros_bridge/counters.h"
-#include "ros_bridge/line_health.h"
-#include "ros_bridge/node_health.h"
+#include "ros_bridge/health.h"
 #include "ros_bridge/ros_clock.h"
 #include "ros_bridge/topic_in.h"
 

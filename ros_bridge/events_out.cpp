@@ -1,7 +1,7 @@
 #include "ros_bridge/events_out.h"
 
+#include "ros_bridge/conversions.h"
 #include "ros_bridge/ros_clock.h"
-#include "ros_bridge/status_conversion.h"
 
 namespace limb_ring::bridge {
 namespace {

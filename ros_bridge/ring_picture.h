@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "ros_bridge/line_health.h"
+#include "ros_bridge/health.h"
 
 namespace limb_ring::bridge {
 

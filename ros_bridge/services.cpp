@@ -18,8 +18,8 @@
 #include "ring/known_stops.h"
 #include "ring/observed_daemon.h"
 #include "ring/reset_node.h"
+#include "ros_bridge/conversions.h"
 #include "ros_bridge/ring_port.h"
-#include "ros_bridge/status_conversion.h"
 
 namespace limb_ring::bridge {
 namespace {

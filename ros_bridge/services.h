@@ -24,7 +24,7 @@
 #include "ring/status_rows.h"
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/ring_port.h"
-#include "ros_bridge/two_names.h"
+#include "ros_bridge/ros_links.h"
 
 namespace limb_ring::bridge {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ros_bridge/two_names.h"
+#include "ros_bridge/ros_links.h"
 
 namespace limb_ring::bridge {
 namespace {

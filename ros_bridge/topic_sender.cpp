@@ -2,7 +2,7 @@
 
 #include "limb_ring/payload/packet_type.h"
 #include "ring/reset_node.h"
-#include "ros_bridge/status_conversion.h"
+#include "ros_bridge/conversions.h"
 
 namespace limb_ring::bridge {
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "ros/small_robot.h"
-#include "ros_bridge/command_sender.h"
+#include "ros_bridge/command_in.h"
 #include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {

@@ -1,10 +1,9 @@
 #include <gmock/gmock.h>
 
 #include "ros/small_robot.h"
+#include "ros_bridge/conversions.h"
 #include "ros_bridge/diagnostics_out.h"
-#include "ros_bridge/line_health.h"
-#include "ros_bridge/node_health.h"
-#include "ros_bridge/status_conversion.h"
+#include "ros_bridge/health.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "ros_bridge/two_names.h"
+#include "ros_bridge/ros_links.h"
 
 #include <gtest/gtest.h>
 #include <ros/init.h>

@@ -1,5 +1,5 @@
 // Answers of a daemon that is not ours, or that has another version.
-#include "ros_bridge/ring_watch.h"
+#include "ros_bridge/status_out.h"
 
 #include <gmock/gmock.h>
 

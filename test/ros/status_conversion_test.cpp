@@ -1,4 +1,4 @@
-#include "ros_bridge/status_conversion.h"
+#include "ros_bridge/conversions.h"
 
 #include <gmock/gmock.h>
 

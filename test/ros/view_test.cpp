@@ -5,8 +5,8 @@
 
 #include "config/load_ring.h"
 #include "ros/small_robot.h"
+#include "ros_bridge/conversions.h"
 #include "ros_bridge/ring_picture.h"
-#include "ros_bridge/status_conversion.h"
 
 namespace limb_ring::bridge {
 namespace {
