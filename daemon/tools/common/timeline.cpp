@@ -9,7 +9,7 @@
 
 #include "tools/common/packet_text.h"
 #include "wire/packet.h"
-#include "wire/packet_trips.h"
+#include "wire/traced_ring.h"
 
 namespace limb_ring::app {
 
