@@ -1,6 +1,6 @@
 #include <cstdlib>
 
-#include "config/as_read.h"
+#include "config/entry.h"
 #include "io/spawn.h"
 #include "tools/common/command_line.h"
 #include "tools/ringctl/command_line.h"

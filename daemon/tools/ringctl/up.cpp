@@ -12,7 +12,7 @@
 #include <optional>
 #include <system_error>
 
-#include "config/as_read.h"
+#include "config/entry.h"
 #include "config/load_ring.h"
 #include "config/quantity.h"
 #include "config/ring_config.h"

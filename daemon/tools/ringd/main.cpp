@@ -18,8 +18,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "config/as_read.h"
 #include "config/core_settings.h"
+#include "config/entry.h"
 #include "config/load_ring.h"
 #include "config/option.h"
 #include "config/quantity.h"
