@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "io/agreement.h"
 #include "io/link_header.h"
 #include "io/unix_line.h"
 #include "io/unix_listener.h"

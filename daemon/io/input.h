@@ -12,7 +12,6 @@
 #include <string_view>
 #include <vector>
 
-#include "io/agreement.h"
 #include "io/link_counters.h"
 #include "io/link_header.h"
 #include "wire/slice.h"

@@ -9,11 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "io/agreement.h"
 #include "io/input.h"
 #include "io/link_counters.h"
 #include "io/link_header.h"
-#include "io/ticker.h"
+#include "io/node_clock.h"
 #include "wire/slice.h"
 
 namespace limb_ring::link {

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "io/agreement.h"
 #include "io/datagram_input.h"
 #include "io/input.h"
 #include "io/link_counters.h"
+#include "io/link_header.h"
+#include "io/node_clock.h"
 #include "io/output.h"
 #include "io/packet_loop.h"
 #include "io/seal.h"
-#include "io/ticker.h"
 #include "io/udp_socket.h"
 
 namespace limb_ring::link {

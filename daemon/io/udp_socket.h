@@ -7,7 +7,6 @@
 #include <boost/asio/ip/udp.hpp>
 #include <vector>
 
-#include "io/agreement.h"
 #include "io/link_counters.h"
 #include "io/link_header.h"
 #include "io/seal.h"

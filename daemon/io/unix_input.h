@@ -7,7 +7,7 @@
 #include "io/admission.h"
 #include "io/input.h"
 #include "io/memory_line.h"
-#include "io/ticker.h"
+#include "io/node_clock.h"
 #include "io/unix_listener.h"
 
 namespace limb_ring::link {

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "io/agreement.h"
 #include "io/input.h"
 #include "io/link_counters.h"
 #include "io/link_header.h"

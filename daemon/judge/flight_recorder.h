@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/network_controller.h"
-#include "io/mapped_file.h"
+#include "io/regular_file.h"
 #include "judge/record.h"
 
 namespace limb_ring::recorder {

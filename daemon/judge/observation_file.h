@@ -8,7 +8,7 @@
 
 #include "core/journal.h"
 #include "core/settings.h"
-#include "io/mapped_file.h"
+#include "io/regular_file.h"
 #include "judge/promise.h"
 #include "wire/packet_assembler.h"
 

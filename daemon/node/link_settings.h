@@ -7,8 +7,8 @@
 
 #include "config/ring_config.h"
 #include "core/line.h"
-#include "io/agreement.h"
 #include "io/input.h"
+#include "io/link_header.h"
 #include "io/output.h"
 
 namespace limb_ring::setup {

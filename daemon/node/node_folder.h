@@ -9,7 +9,7 @@
 #include <string>
 
 #include "config/ring_config.h"
-#include "io/ticker.h"
+#include "io/node_clock.h"
 #include "io/unique_fd.h"
 #include "node/host_server.h"
 

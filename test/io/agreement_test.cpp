@@ -1,4 +1,4 @@
-#include "io/agreement.h"
+#include "io/link_header.h"
 
 #include <gtest/gtest.h>
 

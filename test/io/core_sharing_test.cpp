@@ -1,4 +1,4 @@
-#include "io/core_sharing.h"
+#include "io/packet_loop.h"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "io/agreement.h"
-
 namespace limb_ring::link {
 namespace {
 

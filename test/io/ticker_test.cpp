@@ -1,4 +1,4 @@
-#include "io/ticker.h"
+#include "io/node_clock.h"
 
 #include <gtest/gtest.h>
 

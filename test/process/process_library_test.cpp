@@ -9,9 +9,9 @@
 #include <filesystem>
 
 #include "io/child.h"
-#include "io/mapped_file.h"
 #include "io/process_state.h"
 #include "io/program.h"
+#include "io/regular_file.h"
 #include "io/signal_wait.h"
 #include "io/spawn.h"
 #include "io/wall_clock.h"

@@ -10,7 +10,7 @@ from ring_process import RingTest, free_udp_ports, plain_nodes
 from limb_ring import HostPortError, Observed
 
 LINK_HEADER = '>HBBQQIBB'  # daemon/io/link_header.h
-AGREEMENT_SIZE = 56        # daemon/io/agreement.h
+AGREEMENT_SIZE = 56        # daemon/io/link_header.h
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = range(1, 7)
 WRONG_VERSION = 7
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/transmit/send_unit.h"
-#include "io/agreement.h"
 #include "io/link_header.h"
 #include "support/node_literal.h"
 #include "support/view.h"

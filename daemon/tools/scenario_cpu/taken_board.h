@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "io/mapped_file.h"
+#include "io/regular_file.h"
 
 namespace limb_ring::scenario_cpu {
 
