@@ -1,17 +1,26 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>
 
-#include "client/timestamps.h"
 #include "io/wall_clock.h"
 #include "limb_ring/payload/command_set.h"
 #include "limb_ring/payload/joint_command.h"
 #include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::firmware {
+
+using std::chrono::nanoseconds;
+
+/// One instant on both clocks. Monotonic time drives everything that happens here; wall time only
+/// stamps what goes out and judges the stamps that come in, which are another node's.
+struct Timestamps {
+  nanoseconds monotonic{0};  ///< CLOCK_MONOTONIC
+  std::int64_t wall_ns = 0;  ///< CLOCK_REALTIME, ns since 1970
+};
 
 /// What becomes of a command.
 enum class Verdict : std::uint8_t {

@@ -7,8 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "client/command_filter.h"
 #include "client/node_cpu.h"
-#include "client/timestamps.h"
 #include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/limb.h"
-#include "client/timestamps.h"
+#include "client/command_filter.h"
+#include "client/node_cpu.h"
 #include "limb_ring/payload/joint_command.h"
 #include "tools/firmware/simulated_limb.h"
 

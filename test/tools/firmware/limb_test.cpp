@@ -1,4 +1,4 @@
-#include "client/limb.h"
+#include "client/node_cpu.h"
 
 #include <cmath>
 #include <stdexcept>
