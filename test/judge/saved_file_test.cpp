@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "judge/flight_recorder.h"
-#include "judge/replayed_ring.h"
+#include "judge/replay.h"
 #include "sim/virtual_ring.h"
 #include "support/temporary_folder.h"
 #include "support/thrown.h"

@@ -11,7 +11,7 @@
 #include "judge/flight_recorder.h"
 #include "judge/judged_ring.h"
 #include "judge/recorded_lives.h"
-#include "judge/replayed_ring.h"
+#include "judge/replay.h"
 #include "mutants/mutation.h"
 #include "sim/virtual_line_faults.h"
 

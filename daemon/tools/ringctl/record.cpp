@@ -24,7 +24,7 @@
 #include "io/signal_wait.h"
 #include "judge/flight_recorder.h"
 #include "judge/recording.h"
-#include "judge/replayed_ring.h"
+#include "judge/replay.h"
 #include "limb_ring/ring_directory.h"
 #include "ring/observed_daemon.h"
 #include "ring/ring_files.h"
