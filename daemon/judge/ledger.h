@@ -211,7 +211,7 @@ class Ledger {
       if (!sent.ended && sent.source_incarnation == sources_[source].incarnation) visit(sent);
   }
 
-  /// All that later events are judged by, for study/explored_run.h; the same in the classes below.
+  /// All that later events are judged by, for study/exploration.h; the same in the classes below.
   template <class Archive>
   void archive(Archive& a) {
     a("sources", sources_)("forgotten_before", forgotten_before_)("started", started_)("passed_over", passed_over_);

@@ -21,7 +21,7 @@ class Invariants : public Observer {
   bool all_ended() const;
   /// At the end, when nothing is under way any more: everything asked for must have ended.
   void finish();
-  /// All that later events are judged by. (study/explored_run.h) @pre no promise was broken
+  /// All that later events are judged by. (study/exploration.h) @pre no promise was broken
   template <class Archive>
   void archive(Archive& a) {
     a("record", record_)("outputs", outputs_)("inputs", inputs_)("results", results_);

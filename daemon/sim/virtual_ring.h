@@ -166,7 +166,7 @@ class VirtualRing {
   /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
   void put_late(NodeId id, wire::SliceWriter& slices, Line line = Line::first);
   /// All that later events depend on, except what at() was asked for, what taps hold, and logs.
-  /// (study/explored_run.h) @pre between two instants
+  /// (study/exploration.h) @pre between two instants
   template <class Archive>
   void archive(Archive& a) {
     a("now", now_)("nodes", nodes_);

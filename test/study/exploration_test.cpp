@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "sim/trace.h"
-#include "study/explored_run.h"
 #include "support/thrown.h"
 
 namespace limb_ring::study {
