@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "limb_ring/payload/packet_type.h"
+
 namespace limb_ring::runtime {
 namespace {
 

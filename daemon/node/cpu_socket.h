@@ -3,7 +3,7 @@
 #include "config/ring_config.h"
 #include "core/time.h"
 #include "node/cpu_process.h"
-#include "node/cpu_watch.h"
+#include "node/cpu_status.h"
 #include "node/host_server.h"
 #include "node/node_driver.h"
 

@@ -4,7 +4,7 @@
 
 #include "judge/percentiles.h"
 #include "limb_ring/host_port.h"
-#include "node/rejected_pause.h"
+#include "node/send_reason.h"
 #include "node/session.h"
 
 namespace limb_ring::runtime {

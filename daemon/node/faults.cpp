@@ -6,7 +6,7 @@
 
 #include "io/process_state.h"
 #include "node/realtime.h"
-#include "node/rejected_pause.h"
+#include "node/send_reason.h"
 #include "node/session.h"
 
 namespace limb_ring::runtime {

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <string>
 
 #include "config/ring_config.h"
 #include "core/events.h"
 #include "core/membership/membership.h"
+#include "core/network_controller.h"
 #include "limb_ring/host_port.h"
 #include "node/cpu_socket.h"
 #include "node/node_driver.h"
@@ -45,5 +48,12 @@ class SendReasons {
 
 /// The client library's word for the core's.
 limb_ring::Outcome public_outcome(core::Outcome outcome);
+
+/// How long one who sends a packet as the last one ends, with `period` between, waits for the next. A rejection comes
+/// at once: sending again at once would keep the event loop, or the clock of a virtual ring, from all else. (ours)
+inline std::chrono::nanoseconds pause_after(core::Outcome outcome, std::chrono::nanoseconds period) {
+  constexpr std::chrono::nanoseconds kAfterRejection = std::chrono::milliseconds(1);
+  return outcome == core::Outcome::rejected ? std::max(period, kAfterRejection) : period;
+}
 
 }  // namespace limb_ring::runtime

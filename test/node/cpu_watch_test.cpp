@@ -1,4 +1,4 @@
-#include "node/cpu_watch.h"
+#include "node/cpu_status.h"
 
 #include <gmock/gmock.h>
 

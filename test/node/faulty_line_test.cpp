@@ -1,5 +1,5 @@
 // What a fault does to a line between two ends that are really there.
-#include "node/node_line.h"
+#include "node/engine.h"
 
 #include <gmock/gmock.h>
 
