@@ -105,7 +105,7 @@ COUNTERS_OF = (('10.1', 'controller', ''), ('10.2', 'input', 'input_'), ('10.3',
 
 def counters_page():
     """One table out of two, which tests hold against the code: protocol.md section 10, and that of the bridge."""
-    errors = re.findall(r'\{Of::\w+, "(\w+)", true\}', source('daemon', 'ring', 'status_rows.cpp'))
+    errors = re.findall(r'\{Of::\w+, "(\w+)", true\}', source('daemon', 'ring', 'ring_client.cpp'))
     specification = source('docs', 'protocol.md')
     page = ('# Counters\n\n' + WRITTEN +
             'Whatever is discarded is counted under a name. `ringctl status --json` shows the counters of each node that are\n'

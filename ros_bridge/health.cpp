@@ -5,7 +5,7 @@
 
 #include "config/ring_config.h"
 #include "ring/reset_node.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 #include "wire/control_message.h"
 
 namespace limb_ring::bridge {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 
 namespace limb_ring::bridge {
 

@@ -21,7 +21,7 @@
 #include "config/ring_config.h"
 #include "ring/known_stops.h"
 #include "ring/live_faults.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/ring_port.h"
 #include "ros_bridge/ros_links.h"

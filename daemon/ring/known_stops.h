@@ -10,7 +10,7 @@
 
 #include "limb_ring/host_port.h"
 #include "limb_ring/payload/joint_command.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 
 namespace limb_ring::ask {
 

@@ -5,7 +5,7 @@
 
 #include "limb_ring/host_port.h"
 #include "ring/observed_daemon.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 
 namespace limb_ring::ask {
 namespace {

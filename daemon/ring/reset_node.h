@@ -7,7 +7,7 @@
 
 #include "limb_ring/host_port.h"
 #include "ring/known_stops.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 #include "wire/slice.h"
 
 namespace limb_ring::ask {

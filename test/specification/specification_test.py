@@ -161,7 +161,7 @@ class Contents(unittest.TestCase):
             self.assertIn("`%s...`" % prefix, section(self.page, "10"))
 
     def test_every_counter_that_tells_of_an_error_is_one_of_these(self):
-        told = re.findall(r'\{Of::\w+, "(\w+)", ', read(os.path.join("daemon", "ring", "status_rows.cpp")))
+        told = re.findall(r'\{Of::\w+, "(\w+)", ', read(os.path.join("daemon", "ring", "ring_client.cpp")))
         self.assertGreater(len(told), 20)
         counted = rows(section(self.page, "10.1")) + rows(section(self.page, "10.5"))
         for prefix, number in (("input_", "10.2"), ("output_", "10.3")):

@@ -10,7 +10,7 @@
 #include "limb_ring/host_port.h"
 #include "ring/launched_ring.h"
 #include "ring/observed_daemon.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 #include "tools/ringctl/screen.h"
 
 namespace limb_ring::ringctl {

@@ -7,8 +7,8 @@
 
 #include "limb_ring/ring_directory.h"
 #include "ring/live_faults.h"
+#include "ring/ring_client.h"
 #include "ring/ring_files.h"
-#include "ring/status_rows.h"
 #include "tools/common/text_table.h"
 #include "tools/ringctl/ring_access.h"
 #include "wire/control_message.h"

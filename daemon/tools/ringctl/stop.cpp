@@ -7,7 +7,7 @@
 #include "config/ring_config.h"
 #include "ring/known_stops.h"
 #include "ring/reset_node.h"
-#include "ring/status_rows.h"
+#include "ring/ring_client.h"
 #include "tools/common/command_line.h"
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/ring_access.h"
