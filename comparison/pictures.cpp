@@ -13,16 +13,19 @@ namespace {
 
 constexpr int kPicoseconds = 6;  // decimals of a us
 
-}  // namespace
+/// A column of a picture's figures.
+struct Column {
+  std::string name;  ///< without commas and quotes
+  std::vector<std::string> cells;
+};
 
-std::string us(study::Duration duration) { return app::number(study::microseconds(duration), kPicoseconds); }
+/// A time in us, to the picosecond.
+std::string exact_us(study::Duration duration) { return app::number(study::microseconds(duration), kPicoseconds); }
 
+/// "1000 Mbit/s"
 std::string rate_of(const study::Medium& medium) { return ring_sim::megabits(medium.rate) + " Mbit/s"; }
 
-std::string figures_of(const study::ComparisonOptions& options) {
-  return figures_of(options, std::to_string(options.medium.nodes), rate_of(options.medium));
-}
-
+/// "N = 16, B = 512 bytes, R = 1000 Mbit/s, d = 0.512 us, seed 1".
 std::string figures_of(const study::ComparisonOptions& options, const std::string& nodes, const std::string& rate) {
   std::ostringstream text;
   text << "N = " << nodes << ", B = " << options.medium.payload << " bytes, R = " << rate
@@ -30,10 +33,17 @@ std::string figures_of(const study::ComparisonOptions& options, const std::strin
   return text.str();
 }
 
+/// The same with the nodes and the rate of its medium.
+std::string figures_of(const study::ComparisonOptions& options) {
+  return figures_of(options, std::to_string(options.medium.nodes), rate_of(options.medium));
+}
+
+/// `set title` with these lines.
 std::string title(const std::string& first, const std::string& second) {
   return "set title \"" + first + "\\n" + second + "\"\n";
 }
 
+/// As CSV with a heading. @pre all columns have the same number of cells
 std::string csv_of(const std::vector<Column>& columns) {
   std::string text;
   for (const Column& column : columns) text += (&column == &columns.front() ? "" : ",") + column.name;
@@ -45,14 +55,13 @@ std::string csv_of(const std::vector<Column>& columns) {
   return text;
 }
 
+/// Adds a point of a method's curve: to the last column where it is that method's, else to a new one.
 void add_point(std::vector<Column>& columns, const std::string& method, const std::string& cell) {
   if (columns.empty() || columns.back().name != method) columns.push_back({method, {}});
   columns.back().cells.push_back(cell);
 }
 
 // ---- Latency against the number of nodes ----
-
-namespace {
 
 constexpr const char* kLatencyPlot = R"(set xlabel 'Nodes N'
 set ylabel 'Worst latency to the node opposite, us'
@@ -72,7 +81,7 @@ std::vector<Column> columns_of(const PlotInput& input, bool own_rate) {
   for (const study::NodesPoint& point : input.comparison.against_nodes) {
     const study::Subject& subject = point.subject;
     const std::string rate = own_rate ? " at " + ring_sim::megabits(subject.rate) + " Mbit/s" : "";
-    if (subject.own_rate == own_rate) add_point(columns, subject.method + rate, us(point.at_once.worst));
+    if (subject.own_rate == own_rate) add_point(columns, subject.method + rate, exact_us(point.at_once.worst));
   }
   return columns;
 }
@@ -92,7 +101,7 @@ Column bound(const PlotInput& input, bool own_rate) {
   Column column{"bound of limb_ring: N/2 (T + d)", {}};
   for (const unsigned nodes : input.options.nodes) {
     medium.nodes = nodes;
-    column.cells.push_back(us(data_bound(medium, nodes / 2)));
+    column.cells.push_back(exact_us(data_bound(medium, nodes / 2)));
   }
   return column;
 }
@@ -181,8 +190,8 @@ std::string share_of(std::size_t count, const study::Latencies& all) {
 Picture bins_picture(const study::Latencies& all, const std::vector<study::Bin>& bins) {
   std::vector<Column> columns{{"from_us", {}}, {"to_us", {}}, {"packets", {}}, {"percent", {}}};
   for (const study::Bin& bin : bins) {
-    columns[0].cells.push_back(us(bin.from));
-    columns[1].cells.push_back(us(bin.to));
+    columns[0].cells.push_back(exact_us(bin.from));
+    columns[1].cells.push_back(exact_us(bin.to));
     columns[2].cells.push_back(std::to_string(bin.count));
     columns[3].cells.push_back(share_of(bin.count, all));
   }
@@ -202,8 +211,8 @@ Picture plot_round_trips(const PlotInput& input) {
   const std::string what = "Round trips of " + std::to_string(all.count()) + " packets under random load of " +
                            app::number(100 * load, 1) + " % of R, worst " +
                            app::number(study::microseconds(all.max()), 3) + " us";
-  out.script = title(what, figures_of(input.options)) + "bound = " + us(bound) + "\n" + "one = " + share_of(1, all) +
-               "\n" + kRoundTripsPlot;
+  out.script = title(what, figures_of(input.options)) + "bound = " + exact_us(bound) + "\n" +
+               "one = " + share_of(1, all) + "\n" + kRoundTripsPlot;
   return out;
 }
 
@@ -236,7 +245,7 @@ plot 'embedding.csv' using 2:1 with lines linetype 1 \
   NaN with lines linetype 8 title sprintf("its bound: %.3f us", bound_between)
 )";
 
-std::string set(const char* name, study::Duration value) { return name + (" = " + us(value)) + "\n"; }
+std::string set(const char* name, study::Duration value) { return name + (" = " + exact_us(value)) + "\n"; }
 
 }  // namespace
 
@@ -248,8 +257,8 @@ Picture plot_embedding(const PlotInput& input) {
   for (int i = 0; i <= kSteps; ++i) {
     const double share = static_cast<double>(i) / kSteps;
     columns[0].cells.push_back(app::number(100 * share, 1));
-    columns[1].cells.push_back(us(embedded.quantile(share)));
-    columns[2].cells.push_back(us(between.quantile(share)));
+    columns[1].cells.push_back(exact_us(embedded.quantile(share)));
+    columns[2].cells.push_back(exact_us(between.quantile(share)));
   }
   const std::string count = std::to_string(embedded.count());
   return {"embedding", csv_of(columns),
@@ -302,8 +311,8 @@ std::string labels(unsigned nodes) {
 }
 
 void put_span(std::vector<Column>& columns, std::size_t first, const std::optional<Passing::Span>& span) {
-  columns[first].cells.push_back(span ? us(span->header) : "");
-  columns[first + 1].cells.push_back(span ? us(span->tail) : "");
+  columns[first].cells.push_back(span ? exact_us(span->header) : "");
+  columns[first + 1].cells.push_back(span ? exact_us(span->tail) : "");
 }
 
 void put(std::vector<Column>& columns, const char* kind, unsigned row, const Passing& passing) {
@@ -331,7 +340,7 @@ Picture picture(const std::string& name, const std::string& what, const study::T
   const study::Medium& medium = input.options.medium;
   const study::Duration back = timeline.ours.back().arrives->tail;
   const std::string figures = "file = '" + name + ".csv'\nrows = " + std::to_string(medium.nodes + 1) +
-                              "\nback = " + us(back) + "\n" + labels(medium.nodes);
+                              "\nback = " + exact_us(back) + "\n" + labels(medium.nodes);
   return {name, csv(timeline, medium),
           title(what + " = " + app::number(study::microseconds(back), 3) + " us", figures_of(input.options)) + figures +
               kAxes + kOurs + (timeline.in_front.empty() ? "" : kInFront) + "\n"};

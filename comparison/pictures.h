@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "comparison/comparison.h"
 
@@ -20,7 +19,7 @@ struct PlotInput {
   const study::ComparisonOptions& options;
 };
 
-// ---- The pictures, one a file. Each may take a few seconds to be measured. ----
+// The pictures. Each may take a few seconds to be measured.
 
 /// Worst latency of a simultaneous start against the number of nodes, all methods at the medium's rate.
 Picture plot_latency_nodes(const PlotInput& input);
@@ -35,30 +34,5 @@ Picture plot_embedding(const PlotInput& input);
 /// One packet hop by hop, alone and in the worst case.
 Picture plot_timeline_alone(const PlotInput& input);
 Picture plot_timeline_worst(const PlotInput& input);
-
-// ---- What their scripts share ----
-
-/// "N = 16, B = 512 bytes, R = 1000 Mbit/s, d = 0.512 us, seed 1".
-std::string figures_of(const study::ComparisonOptions& options);
-/// The same with other words for N and R.
-std::string figures_of(const study::ComparisonOptions& options, const std::string& nodes, const std::string& rate);
-/// "1000 Mbit/s"
-std::string rate_of(const study::Medium& medium);
-/// `set title` with these lines.
-std::string title(const std::string& first, const std::string& second);
-/// A time in us, to the picosecond.
-std::string us(study::Duration duration);
-
-/// A column of a picture's figures.
-struct Column {
-  std::string name;  ///< without commas and quotes
-  std::vector<std::string> cells;
-};
-
-/// As CSV with a heading. @pre all columns have the same number of cells
-std::string csv_of(const std::vector<Column>& columns);
-
-/// Adds a point of a method's curve: to the last column where it is that method's, else to a new one.
-void add_point(std::vector<Column>& columns, const std::string& method, const std::string& cell);
 
 }  // namespace limb_ring::comparison

@@ -24,6 +24,10 @@
 namespace limb_ring::ringctl {
 namespace {
 
+using status::NodeRow;
+using std::chrono::duration;
+using std::chrono::steady_clock;
+
 std::string figure(const nlohmann::json& clock, const char* name) {
   return clock.is_object() ? app::number(clock[name].get<double>(), 3) : "-";
 }
@@ -49,8 +53,7 @@ std::string words_of(const nlohmann::json& hosts) {
   return hosts["host"].get<std::string>() + " (of " + all + ")";
 }
 
-}  // namespace
-
+/// `ringctl status --rings`: prints a table, or JSON, of all rings of this user. @return an ExitCode
 int show_rings(bool as_json) {
   tell_unreadable_rings();
   for (const std::string& folder : live::ring_folders()) tell_unreadable(folder);
@@ -78,12 +81,6 @@ int show_rings(bool as_json) {
     std::cout << (all.empty() ? "no ring is running\n" : app::text_table(rows)) << std::flush;
   return kDone;
 }
-
-namespace {
-
-using status::NodeRow;
-using std::chrono::duration;
-using std::chrono::steady_clock;
 
 struct StatusOptions {
   std::string ring;

@@ -167,6 +167,9 @@ std::string unanswered_report(const Rows& rows) {
   return text;
 }
 
+namespace {
+
+/// What nodes warn of, such as too few file descriptors; empty where none does.
 std::string warning_report(const Rows& rows) {
   std::map<std::string, std::string> names;  // by what is said
   for (const NodeRow& row : rows) {
@@ -180,16 +183,13 @@ std::string warning_report(const Rows& rows) {
   return text;
 }
 
-namespace {
-
 /// "; 'ringctl log left_knee' shows what it printed" where that is kept on this host.
 std::string where_it_printed(const NodeRow& row) {
   if (row.ring.empty() || live::log_of(ring_directory(row.ring), row.id).empty()) return {};
   return "; 'ringctl log " + row.name + "' shows what it printed";
 }
 
-}  // namespace
-
+/// The nodes whose daemon has ended by itself, if their logs are kept; empty if none has.
 std::string down_report(const Rows& rows) {
   std::string text;
   for (const NodeRow& row : rows) {
@@ -200,6 +200,7 @@ std::string down_report(const Rows& rows) {
   return text;
 }
 
+/// The CPUs that have failed, why, and the command that shows what they printed; empty if none has.
 std::string cpu_report(const Rows& rows) {
   std::string text;
   for (const NodeRow& row : rows) {
@@ -211,6 +212,8 @@ std::string cpu_report(const Rows& rows) {
   }
   return text;
 }
+
+}  // namespace
 
 std::string stop_report(const Rows& rows) {
   std::string names;

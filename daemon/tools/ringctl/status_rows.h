@@ -43,12 +43,6 @@ std::uint64_t errors_of(const status::NodeRow& row);
 std::string headline(const std::string& ring, const Rows& rows);
 /// The nodes that have not answered, and why; empty where all have.
 std::string unanswered_report(const Rows& rows);
-/// The nodes whose daemon has ended by itself, if their logs are kept; empty if none has.
-std::string down_report(const Rows& rows);
-/// The CPUs that have failed, why, and the command that shows what they printed; empty if none has.
-std::string cpu_report(const Rows& rows);
-/// What nodes warn of, such as too few file descriptors; empty where none does.
-std::string warning_report(const Rows& rows);
 /// The nodes that are stopped, and what ends it; empty where none is.
 std::string stop_report(const Rows& rows);
 /// All of these, with line_report() and supervision_text().
@@ -64,9 +58,6 @@ void add_verdicts(Rows& rows);
 /// A line for each watched CPU that is in trouble or was; empty where none.
 std::string supervision_text(const Rows& rows);
 ///@}
-
-/// `ringctl status --rings`: prints a table, or JSON, of all rings of this user. @return an ExitCode
-int show_rings(bool as_json);
 
 struct StatusStyle {
   std::size_t width = std::string::npos;  ///< columns there are; names are shortened to fit

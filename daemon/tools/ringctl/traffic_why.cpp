@@ -174,8 +174,7 @@ std::string time_or_dash(const std::optional<capture::SeenPacket>& seen, std::ch
 
 std::string us_or_dash(const std::optional<std::chrono::nanoseconds>& time) { return time ? in_us(*time) : "-"; }
 
-}  // namespace
-
+/// A trace as text for people: what it is, a line for each node, times in us since it went out.
 std::string trace_text(const capture::PacketTrace& trace, const capture::RingNames& names) {
   std::string text = title_of(trace, names) + "  " + end_words(trace, names) + "\n";
   for (const std::string& words : retry_words(trace, names)) text += words + "\n";
@@ -187,8 +186,6 @@ std::string trace_text(const capture::PacketTrace& trace, const capture::RingNam
   }
   return text + app::text_table(rows);
 }
-
-namespace {
 
 using std::chrono::nanoseconds;
 
@@ -283,13 +280,11 @@ class Picture {
   std::ostringstream out_;
 };
 
-}  // namespace
-
+/// A trace as a picture, SVG: nodes downwards in the order of the path, time to the right. On each node's
+/// line out the packet's bar, light before it while it waited, grey what was in its way, INTPs as marks.
 std::string trace_svg(const capture::PacketTrace& trace, const capture::RingNames& names) {
   return Picture(trace, names).draw();
 }
-
-namespace {
 
 using nlohmann::json;
 
@@ -327,8 +322,7 @@ json hop_row(const capture::PacketTrace& trace, std::size_t place, const RingNam
           {"why", hop_words(trace, place, names)}};
 }
 
-}  // namespace
-
+/// The same as a line of JSON, times in ns by the capture's clock.
 std::string trace_json(const capture::PacketTrace& trace, const RingNames& names) {
   const wire::Code code = wire::code_of(trace.code);
   json row{{"packet", title_of(trace, names)},
@@ -345,8 +339,6 @@ std::string trace_json(const capture::PacketTrace& trace, const RingNames& names
   for (std::size_t place = 0; place < trace.hops.size(); ++place) row["hops"].push_back(hop_row(trace, place, names));
   return row.dump();
 }
-
-namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;

@@ -21,13 +21,4 @@ std::string hop_words(const capture::PacketTrace& trace, std::size_t hop, const 
 /// "12.384", in us to the nanosecond.
 std::string in_us(std::chrono::nanoseconds time);
 
-/// A trace as text for people: what it is, a line for each node, times in us since it went out.
-std::string trace_text(const capture::PacketTrace& trace, const capture::RingNames& names);
-/// The same as a line of JSON, times in ns by the capture's clock.
-std::string trace_json(const capture::PacketTrace& trace, const capture::RingNames& names);
-
-/// A trace as a picture, SVG: nodes downwards in the order of the path, time to the right. On each node's
-/// line out the packet's bar, light before it while it waited, grey what was in its way, INTPs as marks.
-std::string trace_svg(const capture::PacketTrace& trace, const capture::RingNames& names);
-
 }  // namespace limb_ring::ringctl
