@@ -48,10 +48,6 @@ TEST(Cases, ACaseThatWasNotMeasuredIsNotCompared) {
   EXPECT_THROW(cases.add_without("watched", Sending::one, of_p50(20)), std::out_of_range);
 }
 
-}  // namespace
-
-namespace {
-
 Measurement measured(double p50, double p99, double max, double rate, std::uint64_t packets = 1) {
   Measurement m;
   m.round_trip_us = {p50, p99, max};
@@ -87,10 +83,6 @@ TEST(Measurement, OfSeveralRoundsHasTheirMediansAndTheWorstMaximum) {
   EXPECT_EQ(all.packets_per_second, 90);
   EXPECT_EQ(all.packets, 3u);
 }
-
-}  // namespace
-
-namespace {
 
 Row row(const std::string& what, std::uint64_t failed) {
   Row made;

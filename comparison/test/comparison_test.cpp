@@ -110,10 +110,6 @@ TEST(Comparison, RefusesMoreSmallMessagesThanFitIntoMemory) {
   EXPECT_FALSE(comparable(gigabit(254, 1)));
 }
 
-}  // namespace
-
-namespace {
-
 const Medium kLoaded = gigabit(16);
 
 bool in_order(const std::vector<Message>& messages) {

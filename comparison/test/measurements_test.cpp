@@ -31,10 +31,6 @@ TEST(Histogram, ValueAtALimitIsInTheBinThatEndsThere) {
   EXPECT_THAT(limits(bins), testing::ElementsAre(0ns, 10ns));
 }
 
-}  // namespace
-
-namespace {
-
 const Medium kMedium = gigabit(16);
 constexpr std::uint64_t kSeed = 5;
 
@@ -86,10 +82,6 @@ TEST(InterruptRoundTrips, BetweenPacketsKeepTheirBoundInSmallRingsToo) {
     EXPECT_LE(interrupt_round_trips(medium, false, kSeed).max(), interrupt_bound_between_packets(medium)) << payload;
   }
 }
-
-}  // namespace
-
-namespace {
 
 constexpr unsigned kNodes = 16;
 const Medium kTimedRing = gigabit(kNodes);

@@ -1,7 +1,6 @@
 #include "judge/seen_ring.h"
 
 #include <algorithm>
-#include <iterator>
 #include <numeric>
 
 #include "wire/packet.h"

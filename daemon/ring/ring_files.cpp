@@ -194,10 +194,6 @@ bool is_read(const fs::path& file) {
   return kind == ".lock" || kind == ".fault" || kind == ".killed";
 }
 
-}  // namespace
-
-namespace {
-
 std::string lock_file(const std::string& folder, std::uint8_t node) {
   return folder + "/" + std::to_string(node) + ".lock";
 }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <ostream>
-#include <utility>
 
 #include "config/urdf_joints.h"
 #include "tools/common/text_table.h"

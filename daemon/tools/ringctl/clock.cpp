@@ -7,7 +7,6 @@
 #include <iostream>
 #include <memory>
 #include <thread>
-#include <utility>
 
 #include "io/signal_wait.h"
 #include "tools/common/command_line.h"

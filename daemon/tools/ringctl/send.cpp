@@ -124,10 +124,6 @@ bool delivered(const Result& result) { return result.outcome == Outcome::deliver
 /// It was delivered, or may have been: nothing has come home that says otherwise.
 bool may_be(const Result& result) { return ask::may_have_arrived(result) || result.outcome == Outcome::lost; }
 
-}  // namespace
-
-namespace {
-
 /// @return false where nothing came
 bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanoseconds until_next) {
   const auto wait = std::chrono::ceil<std::chrono::milliseconds>(until_next);
@@ -137,10 +133,6 @@ bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanosec
   if (const auto* end = std::get_if<Disconnected>(&*message)) throw gone(port, end->reason);
   return true;
 }
-
-}  // namespace
-
-namespace {
 
 /// Adds to `sends`, so that what has ended is kept where this throws. @throw HostPortError
 void send_into(Sends& sends, HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,

@@ -341,7 +341,6 @@ std::string trace_json(const capture::PacketTrace& trace, const RingNames& names
 }
 
 using std::chrono::milliseconds;
-using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
 constexpr double kUsualLook = 5;  // s

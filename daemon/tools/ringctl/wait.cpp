@@ -139,8 +139,6 @@ std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& 
   }
 }
 
-using status::NodeRow;
-
 namespace {
 
 std::string knows_ring_of(std::size_t size) { return "it knows a ring of " + std::to_string(size) + " nodes"; }
