@@ -44,7 +44,7 @@ class BootRecord {
 /// and the boot record.
 class NodeFolder {
  public:
-  /// @throw host::NodeHeld if another daemon holds the node, std::exception where it cannot be made
+  /// @throw host::NodeHeld if another daemon holds the node, std::exception if it cannot be made
   NodeFolder(const config::RingConfig& ring, const config::NodeConfig& node);
 
   const std::string& path() const { return path_; }
@@ -73,7 +73,7 @@ class FolderWatch {
   struct Folder {
     std::string path;
     std::function<bool()> is_in_place;
-    /// @throw host::NodeHeld if another daemon has taken the node meanwhile, std::exception where it cannot be
+    /// @throw host::NodeHeld if another daemon has taken the node meanwhile, std::exception if it cannot be
     /// made (yet)
     std::function<void()> make_again;
     /// Another daemon has the node; ours has to end without touching that one's files.

@@ -43,7 +43,7 @@ class LiveFaults {
   /// Of a daemon that does not answer, only that it is frozen or killed.
   FaultList list() const;
   /// A frozen daemon is thawed, a killed one is started.
-  /// @throw NotDone if there is no such fault, fault::ParseError where there can be none
+  /// @throw NotDone if there is no such fault, fault::ParseError if there can be none
   void remove(const std::string& id) const;
   /// Removes all faults. @return what could not be done, one line each; empty: no fault is left
   /// @param patience for what is started to come up

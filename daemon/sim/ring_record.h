@@ -43,7 +43,7 @@ struct NodeRecord {
   }
 
   /// A line has come up or gone, or seems so by a fold word: a node that is starting may start over, which it does not
-  /// show; where the ring folds back, a joining node may say another hello.
+  /// show; if the ring folds back, a joining node may say another hello.
   void line_may_have_changed() {
     if (settings.fold_back) control.may_be_dropped = true;
     if (history.state == core::NodeState::starting) receiver.may_start_over();

@@ -490,7 +490,7 @@ void RandomFaults::replay(const RandomFaults& of, const std::vector<RecordedStep
   if (goes_on()) run_until_calm();
 }
 
-// Where the same instant comes again, so does what was drawn in it.
+// If the same instant comes again, so does what was drawn in it.
 Duration RandomFaults::wait(const std::function<Duration()>& draw) {
   if (!made_) return draw();
   if (again_) {

@@ -25,19 +25,19 @@ const char* version();
 /// What a --help ends with: `more`, the example in a line of its own, the exit codes. Each may be empty.
 std::string footer(const std::string& more, const std::string& example, const std::string& exit_codes);
 
-/// Reads a command line into the options of `app`. Beside these every program has --help, --version, `help`, and
-/// where it has subcommands `help SUBCOMMAND`; for shells `complete WORD...`, the words that may stand next; and for
-/// the build `man-page`. What roslaunch adds at the end is passed over.
+/// Reads a command line into the options of `app`. Every program also has --help, --version and `help`, and if it has
+/// subcommands `help SUBCOMMAND`; for shells `complete WORD...`, which prints the words that may come next; and for the
+/// build `man-page`. Arguments that roslaunch adds at the end are ignored.
 /// @param app has a name, the program's
 /// @param arguments without the program's name
 /// @param names for `complete`
-/// @return a text that was asked for (help, of at most 80 columns, version, completions); nothing where the options are
+/// @return a text that was asked for (help, of at most 80 columns, version, completions); nothing if the options are
 /// to be acted on
 /// @throw WrongCommandLine in plain words, with a guess at what was meant
 std::optional<std::string> read(CLI::App& app, std::vector<std::string> arguments, const NamesOf& names = no_names);
 
 /// As read(): prints what was asked for on standard output, what is wrong on standard error.
-/// @return what the program is to end with, 0 or 2; nothing where the options are to be acted on
+/// @return what the program is to end with, 0 or 2; nothing if the options are to be acted on
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv, const NamesOf& names = no_names);
 
 /// @name What a command line may hold, as CLI11 knows it
@@ -86,15 +86,15 @@ CLI::Validator word_of(const std::map<std::string, Enum>& values) {
 }
 
 /// Writes what is held back.
-/// @return what is wrong: the file and the system's reason, as far as it is known; empty where all has been written
+/// @return what is wrong: the file and the system's reason, as far as it is known; empty if all has been written
 std::string finish_writing(std::ostream& out, const std::string& path);
 
 /// Exit code of a program that would end with `code`: 1 instead of 0, and a line on standard error, where standard
 /// output could not take all that was written.
 int code_with_output(const std::string& program, int code);
 
-/// SIGINT, SIGTERM and SIGHUP end this process with 1 and "PROGRAM: interrupted" on standard error, wherever it is; one
-/// that is ignored, as by nohup, stays so. For programs that compute, and have nothing to put in order.
+/// SIGINT, SIGTERM and SIGHUP end this process at once with 1 and "PROGRAM: interrupted" on standard error; a signal
+/// that is ignored, as by nohup, stays ignored. For programs that only compute and have nothing to clean up.
 void end_interrupted_with_one(const std::string& program);
 
 }  // namespace limb_ring::cli

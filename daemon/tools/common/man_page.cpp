@@ -197,7 +197,7 @@ const CLI::App& typed(const CLI::App& app, const Words& words, std::size_t from)
   return app;
 }
 
-/// The option before the last word, where it wants a value; null where it is none.
+/// The option before the last word, where it wants a value; null if it is none.
 const CLI::Option* waiting_option(const CLI::App& app, const Words& words) {
   if (words.size() < 2 || !is_option(words[words.size() - 2])) return nullptr;
   for (const CLI::Option* option : options_of(app))

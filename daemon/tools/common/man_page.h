@@ -11,7 +11,7 @@ namespace limb_ring::cli {
 /// @param app has a name, the program's, and a formatter that calls its options as --help does
 std::string man_page(const CLI::App& app);
 
-/// Text as a man page may hold it: nothing in it means anything to roff.
+/// Text escaped for a man page, so that roff interprets none of it.
 std::string roff(const std::string& text);
 
 /// A man page of a program, up to where its own sections begin: header, NAME, SYNOPSIS.
@@ -23,12 +23,12 @@ std::string man_page_begin(const std::string& name, const std::string& what, con
 /// What is the same in all pages: FILES, SEE ALSO.
 std::string man_page_end(const std::string& name);
 
-/// The page of a program that has no more than a text for --help.
+/// The page of a program that has only a text for --help.
 /// @param help as it is printed: its first line is "NAME: what it is", then lines to be kept as they are
 std::string man_page_of_text(const std::string& name, const std::string& help, const std::string& usage);
 
 /// What is there to be named where a command line wants one: given "NODE" or "--ring", as --help calls the argument
-/// or the option; nothing where that is no name.
+/// or the option; nothing if that is not a name.
 using NamesOf = std::function<std::vector<std::string>(const std::string& wanted)>;
 
 inline std::vector<std::string> no_names(const std::string&) { return {}; }

@@ -54,13 +54,13 @@ std::string channel_name(std::uint8_t channel);
 /// The names of the channels that have one, by number: user, control, joint, topic.
 const std::map<std::string, std::uint8_t>& named_channels();
 
-/// What is in a data packet of that channel, in words; empty where nobody here knows.
+/// What is in a data packet of that channel, in words; empty if nobody here knows.
 std::string payload_words(std::uint8_t channel, wire::ByteView data, const capture::RingNames& names);
 
 /// "01 02 ff"
 std::string hex_words(wire::ByteView data);
 
-/// What was captured of a packet, as the wire's functions take it; valid as long as `packet`.
+/// The captured bytes of a packet, as the functions of wire/ take them; valid as long as `packet`.
 inline wire::ByteView bytes_of(const CapturedPacket& packet) { return {packet.bytes.data(), packet.bytes.size()}; }
 inline wire::PacketFields fields_of(const CapturedPacket& packet) { return {bytes_of(packet)}; }
 

@@ -19,8 +19,8 @@ struct StreamLatencies {
   std::optional<double> bound;    ///< the worst that was computed, or asked for
 };
 
-/// A histogram for each stream, its bound a line, and beside it median, 99 % and the largest. A stream without messages
-/// says so.
+/// A histogram for each stream, with its bound as a line, and beside it the median, the 99th percentile and the
+/// maximum. A stream without messages says so.
 /// @param words what these are latencies of
 void write_latencies(std::ostream& out, const std::string& title, const std::string& words,
                      const std::vector<StreamLatencies>& streams);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The user's own: as the XDG base directories have it. Empty where neither is known.
+/// The user's own: as the XDG base directories have it. Empty if neither is known.
 fs::path users_folder() {
   const char* config = std::getenv("XDG_CONFIG_HOME");
   if (config != nullptr && config[0] == '/') return fs::path(config) / "limb_ring";

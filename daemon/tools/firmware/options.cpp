@@ -18,7 +18,7 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 on SIGTERM and SIGINT, 1 if its daemon is gone or not there, 2 on wrong arguments or configuration, "
     "N if a user packet says \"exit N\".";
 
-/// What is asked for instead of a run; empty where nothing is.
+/// What is asked for instead of a run; empty if nothing is.
 std::string read(CLI::App& app, int argc, const char* const* argv) {
   try {
     return cli::read(app, {argv + 1, argv + argc}).value_or("");

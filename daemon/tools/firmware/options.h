@@ -18,7 +18,7 @@ struct FaultCommand {
   int code = 0;
 };
 
-/// The order in a user packet's bytes, without spaces and line ends around it; nothing where the
+/// The order in a user packet's bytes, without spaces and line ends around it; nothing if the
 /// packet holds none.
 std::optional<FaultCommand> parse_fault_command(payload::ByteView text);
 

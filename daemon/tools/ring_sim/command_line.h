@@ -50,7 +50,7 @@ std::string world_options(study::FoldingRings folding, study::WorldKind world, u
 /// A goal by its name. @throw CLI::ValidationError
 std::size_t read_goal(const std::string& name);
 
-/// Adds --seed, of everything random; 1 where it is not given.
+/// Adds --seed, of everything random; 1 if it is not given.
 void add_seed(CLI::App& command, std::uint64_t& seed);
 
 // One subcommand each, in a file of its name.

@@ -63,7 +63,7 @@ std::string in_lines(const app::Row& row) {
   return app::format_rows(lines, app::Format::text);
 }
 
-/// @return where to write; none where it is not asked for
+/// @return where to write; none if it is not asked for
 std::ostream* open(std::ofstream& file, const std::string& option, const std::string& path) {
   if (path.empty()) return nullptr;
   if (path == app::kStandardOutput) return &std::cout;
@@ -282,7 +282,7 @@ std::string line_of(const std::optional<capture::PcapngReader::Record>& record, 
   return std::visit([&text](const auto& of) { return text.line(of); }, *record);
 }
 
-/// Where one ends in the middle, nobody knows what would have come next: neither the same nor different.
+/// If one ends in the middle, nobody knows what would have come next: neither the same nor different.
 /// @throw UsageError
 void require_whole(const capture::PcapngReader& reader, const std::string& path) {
   if (reader.cut_short()) throw UsageError(path + " ends in the middle of a packet: it cannot be compared further");

@@ -145,7 +145,7 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, c
 }
 
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
-/// @return false where it is still large
+/// @return false if it is still large
 bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std::string& folder, Progress& progress) {
   const auto shrunk = study::shrunk_soak(run, [&](std::size_t runs) {
     progress.tell("the smallest scenario of seed " + std::to_string(seed) + ": " + std::to_string(runs) + " tried");
@@ -196,7 +196,7 @@ class Soak {
     return never.empty() ? kDone : kBroken;
   }
 
-  /// @return false where enough are broken
+  /// @return false if enough are broken
   bool run_seed(std::uint64_t seed) {
     seeking_.learn(tally_, seed);
     const sim::Goal* goal = seeking_.goal_of(seed);

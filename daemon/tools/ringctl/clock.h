@@ -16,7 +16,7 @@ struct ClockOffset {
 /// Offsets of all nodes in ring order: latch time, less the source's, less the time the interrupt
 /// took to come there, which is hops * round trip / ring size.
 /// @param latches_ns clock of each node in ring order when its sync pin was pulled (of the source:
-///        when it sent); empty where the node did not latch
+///        when it sent); empty if the node did not latch
 /// @param source index of the source; its latch is there
 std::vector<ClockOffset> clock_offsets(const std::vector<std::optional<std::int64_t>>& latches_ns, std::size_t source,
                                        double round_trip_us, unsigned ring_size);

@@ -118,7 +118,7 @@ int run_command_line(int argc, char** argv) {
 
 namespace {
 
-/// By what a daemon says, which knows the nodes of other hosts, too; where none can answer by what their files tell.
+/// By what a daemon says, which knows the nodes of other hosts, too; if none can answer by what their files tell.
 std::vector<std::string> node_names(const std::string& ring) {
   const std::string folder = ring_directory(ring);
   const auto held = live::held_nodes(folder);

@@ -28,7 +28,7 @@ std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
   return nodes;
 }
 
-/// @return true where every daemon has a socket and has said yes
+/// @return true if every daemon has a socket and has said yes
 bool ask_to_end(const std::string& ring, std::size_t daemons) {
   const auto answers = ask_all(ring, nodes_with_sockets(ring), {{"do", "shutdown"}});
   const auto agreed =
@@ -52,7 +52,7 @@ int tell_down(const std::string& ring) {
 }
 
 /// Tidies the folder of a ring that does not run. Who begins to start it meanwhile waits for our lock, or makes the
-/// folder again. @throw NotDone where somebody is just starting it
+/// folder again. @throw NotDone if somebody is just starting it
 void remove_what_is_left(const std::string& ring, const std::string& folder) {
   std::optional<process::LockFile> lock;
   if (::access(folder.c_str(), W_OK | X_OK) != 0) return;

@@ -8,7 +8,7 @@
 
 namespace limb_ring::ringctl {
 
-/// What came of a fault at its nodes.
+/// The result of a fault at its nodes.
 struct BegunFaults {
   std::vector<live::Begun> done;
   std::exception_ptr problem;  ///< why it was not done at the others: NotDone or HostPortError; null: it was at all

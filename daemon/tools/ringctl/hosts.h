@@ -11,7 +11,7 @@ namespace limb_ring::ringctl {
 /// A launch file for `ring.launch machines:=`: a machine tag for each host that has nodes, and host.launch for it.
 /// @param env_loader script on each host that sets up ROS and runs its arguments
 /// @param user whom to log in as, where a host's `ssh` does not say; empty: roslaunch's own choice
-/// @throw std::invalid_argument where the ring has no hosts
+/// @throw std::invalid_argument if the ring has no hosts
 std::string machines_file(const config::RingConfig& ring, const std::string& env_loader, const std::string& user);
 
 /// A script that runs a program in an environment like this process's, if the hosts are set up alike: env.sh of the
@@ -23,7 +23,7 @@ std::string usual_env_loader(const std::string& prefix_path);
 /// the same name, if there is one, with the ringctl of the same path, else the one on PATH. Its output and exit code
 /// become ours; kNoRing if ssh cannot reach the host.
 /// @param arguments without the program's name and without --ssh
-/// @return an ExitCode, only where ssh cannot be started
+/// @return an ExitCode, only if ssh cannot be started
 int run_there(const Elsewhere& where, const std::vector<std::string>& arguments);
 
 /// What is asked of the ringctl there: these, and the ring's name where they do not say it.
@@ -33,13 +33,13 @@ std::vector<std::string> arguments_there(const std::string& ring, std::vector<st
 std::string command_there(const std::string& program, const std::string& folder,
                           const std::vector<std::string>& arguments);
 
-/// In the place of a host's name: all nodes on this machine, whatever hosts the file gives.
+/// Instead of a host's name: all nodes on this machine, whatever hosts the file gives.
 constexpr const char* kAllHosts = "all";
 
 /// Which host's nodes are to be started here: the one given, else the only one whose address is this machine's.
 /// @param given its name, kAllHosts, or empty
-/// @return empty where the ring has no hosts
-/// @throw UsageError where there is no such host, none of its nodes, or its address is not this machine's; and where
+/// @return empty if the ring has no hosts
+/// @throw UsageError if there is no such host, none of its nodes, or its address is not this machine's; and where
 ///        none is given and several or none could be meant
 std::string chosen_host(const config::RingConfig& ring, const std::string& given);
 

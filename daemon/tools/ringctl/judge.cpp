@@ -72,7 +72,7 @@ void print_breach(const RingAccess& ring, const promises::Breach& breach, nanose
             << std::endl;
 }
 
-/// Where something was not judged, nobody knows whether every promise was kept.
+/// If something was not judged, nobody knows whether every promise was kept.
 std::string verdict(const promises::JudgeCounts& counts, std::size_t unwatched) {
   if (counts.breaches != 0) return std::to_string(counts.breaches) + " broken";
   if (unwatched != 0) return app::counted(unwatched, "node") + " not watched, and not judged";
@@ -139,7 +139,7 @@ class JudgeRun {
   double seconds() const { return std::chrono::duration<double>(steady_clock::now() - began_).count(); }
   bool is_over() const { return folder_.is_gone() || (options_.lasts_s != 0 && seconds() >= options_.lasts_s); }
 
-  /// What the daemons find wrong with their neighbours is no broken promise: the ring may keep them all the same.
+  /// What the daemons find wrong with their neighbours is not a broken promise: the ring may keep them all the same.
   void tell_warnings() {
     if (steady_clock::now() < next_look_) return;
     next_look_ = steady_clock::now() + kWarningLook;

@@ -199,7 +199,7 @@ class FileSink final : public CaptureSink {
   bool flush() override { return flush_to(out_, path_); }
 
  private:
-  /// @return false where standard output is meant
+  /// @return false if standard output is meant
   bool open(const std::string& path) {
     if (path == app::kStandardOutput) return false;
     const std::string problem = app::open_for_writing(file_, path);

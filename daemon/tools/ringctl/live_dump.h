@@ -24,7 +24,7 @@ class CaptureSink {
   /// Writes what is buffered, since somebody may be reading it now.
   /// @return false if nothing can be written any more (a closed pipe, a full disk)
   virtual bool flush() = 0;
-  /// Why a flush() was false: names the file. Empty where nobody reads standard output any more (`| head`): that is no
+  /// Why a flush() was false: names the file. Empty if nobody reads standard output any more (`| head`): that is no
   /// problem.
   const std::string& problem() const { return problem_; }
   bool wanted() const { return wanted_; }
@@ -44,7 +44,7 @@ std::unique_ptr<CaptureSink> json_sink(const capture::RingNames& names);
 /// pcapng in a file, or on standard output where the path is "-". @throw UsageError
 std::unique_ptr<CaptureSink> file_sink(const capture::RingNames& names, const std::string& path);
 
-/// What a dump has shown, and what became of the rest.
+/// Counts of the packets that a dump has shown, and of those that it has not.
 struct DumpTotals {
   std::uint64_t shown = 0;
   std::uint64_t beyond = 0;  ///< came after the last one that was asked for
@@ -60,7 +60,7 @@ std::string event_words(const nlohmann::json& seen);
 class LiveDump {
  public:
   /// Daemons that do not answer are told on standard error, and left out.
-  /// @param order for observe(). @throw HostPortError where none answers
+  /// @param order for observe(). @throw HostPortError if none answers
   LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order, CaptureSink& sink);
 
   /// Until `count` packets are shown (0: without end), somebody asks it to end, nobody reads, or no daemon is left.

@@ -48,7 +48,7 @@ class LiveNodes {
   std::string poll();
   /// The row of the last poll(); null if the node was not there.
   const status::NodeRow* row(std::size_t place) const { return nodes_[place].row ? &*nodes_[place].row : nullptr; }
-  /// null where there is no connection.
+  /// null if there is no connection.
   HostPort* port(std::size_t place) { return nodes_[place].port ? &*nodes_[place].port : nullptr; }
 
   /// Passes messages on until `until`, or until done() is true. @return whether it was. @throw Interrupted

@@ -31,7 +31,7 @@ std::string ring_of_logs(const std::string& given) {
   }
 }
 
-/// The name in the first line of a daemon's log: "07:45:08.123 info [leg8/knee] ..."; empty where it came to none.
+/// The name in the first line of a daemon's log: "07:45:08.123 info [leg8/knee] ..."; empty if it came to none.
 std::string name_in(const std::string& log, const std::string& ring) {
   const std::string text = process::text_of_regular(log), before = "[" + ring + "/";
   const std::size_t begin = text.find(before), end = text.find(']', begin);

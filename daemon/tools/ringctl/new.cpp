@@ -37,7 +37,7 @@ struct NewRing {
   std::vector<NewNode> nodes;  ///< without the body
 };
 
-/// The first nodes get programs of the package as their CPUs: one in C++, and where there are two nodes, one in Python.
+/// The first nodes get programs of the package as their CPUs: one in C++, and if there are two nodes, one in Python.
 void give_own_firmware(NewRing& ring);
 /// All files of the package but the ring's and the URDF: path and text.
 std::vector<std::pair<std::string, std::string>> package_files(const NewRing& ring);
@@ -114,7 +114,7 @@ class Chains {
     taken_.insert(joint);
   }
 
-  /// @param chain that leads to this link; where the link branches, each branch is a new one
+  /// @param chain that leads to this link; if the link branches, each branch is a new one
   void follow(const std::string& link, std::size_t chain) {
     const auto below = below_.find(link);
     if (below == below_.end()) return;

@@ -56,7 +56,7 @@ void write(const YAML::Node& file, const std::string& path) {
 /// The scenario's own ring, but the CPU of every node is scenario_cpu, which counts what it takes, and the ring has a
 /// name that no other ring has.
 /// @param folder where its file is written
-/// @throw NotDone where scenario_cpu is not installed, or the file cannot be written
+/// @throw NotDone if scenario_cpu is not installed, or the file cannot be written
 RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::string& folder,
                             const std::string& transport) {
   const config::RingConfig& ring = scenario.ring;

@@ -223,7 +223,7 @@ std::string ended_life(const std::string& ring_folder, const std::string& file) 
 
 /// Of the recordings in `folder`, as `ringctl record save` has just put them there: those of lives that have ended, a
 /// line each: "  3.record.former: node3, begun 2026-11-23 06:15:08". Some may be of a ring of the same name that ran
-/// before and was not taken down. Empty where there are none.
+/// before and was not taken down. Empty if there are none.
 std::string ended_lives(const std::string& ring_folder, const std::string& folder) {
   std::string lines;
   for (const std::string& file : recorder::recordings_in(folder)) lines += ended_life(ring_folder, file);
@@ -241,7 +241,7 @@ struct RecordOptions {
 /// A ring that is being started may take so long until one of its daemons answers.
 constexpr std::chrono::seconds kStarts{60};
 
-/// The only ring with recordings, where none is named: also one whose daemons are all dead.
+/// The only ring with recordings, if none is named: also one whose daemons are all dead.
 std::string recorded_ring(const std::string& given) {
   const std::string named = named_ring(given);
   if (!named.empty()) return named;
@@ -291,7 +291,7 @@ int save(const RecordOptions& options, const Context& context) {
   return kDone;
 }
 
-/// @throw NoRing where none answers in time
+/// @throw NoRing if none answers in time
 RingAccess wait_for_ring(const std::string& ring, process::SignalWait& signals) {
   const auto deadline = std::chrono::steady_clock::now() + kStarts;
   for (;;) {

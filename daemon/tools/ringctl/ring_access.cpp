@@ -75,7 +75,7 @@ class Search {
  public:
   Search(std::string ring, Deadline deadline) : ring_(std::move(ring)), deadline_(deadline) {}
 
-  /// One after the other, as nearly always the first one answers; where one lets us wait, all that are left at once.
+  /// One after the other, as nearly always the first one answers; if one lets us wait, all that are left at once.
   std::optional<RingDescription> among(const std::vector<std::string>& nodes) {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const auto now = steady_clock::now();

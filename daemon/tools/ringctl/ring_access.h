@@ -46,7 +46,7 @@ struct RingDescription {
   std::string ring;
   std::vector<NodeName> nodes;          ///< in ring order; at least one
   std::size_t answered = 0;             ///< place in `nodes` of the one whose daemon said all this
-  std::vector<RingHost> hosts;          ///< none where the ring's file gives none
+  std::vector<RingHost> hosts;          ///< none if the ring's file gives none
   std::string path;                     ///< of the ring's YAML file; may be empty
   bool folds_back = false;              ///< it has a second line
   std::chrono::milliseconds beacon{0};  ///< time between two beacons of a node; 0: unknown
@@ -56,10 +56,10 @@ struct RingDescription {
 class RingAccess {
  public:
   /// Asks `first` (id or name; may be empty), then one daemon after the other that is not frozen, how the ring is
-  /// configured; where one keeps us waiting, all at the same time. @throw NoRing where none answers, AllFrozen where
+  /// configured; if one keeps us waiting, all at the same time. @throw NoRing if none answers, AllFrozen where
   /// none could
   static RingAccess open(const std::string& ring, const std::string& first = {}, Deadline deadline = kNoDeadline);
-  /// As open(). Where none answers, because nodes were killed or frozen on purpose, the nodes of this host by what
+  /// As open(). If none answers, because nodes were killed or frozen on purpose, the nodes of this host by what
   /// their files tell, in the order of their ids.
   static RingAccess open_also_dead(const std::string& ring);
   explicit RingAccess(RingDescription ring) : ring_(std::move(ring)) {}
@@ -71,10 +71,10 @@ class RingAccess {
   const std::vector<NodeName>& nodes() const { return ring_.nodes; }
 
   const std::vector<RingHost>& hosts() const { return ring_.hosts; }
-  const std::string& here() const { return answered().host; }  ///< this host; empty where there are none
+  const std::string& here() const { return answered().host; }  ///< this host; empty if there are none
   bool is_elsewhere(const NodeName& node) const { return node.host != here(); }
   std::vector<NodeName> nodes_here() const;
-  /// @throw Elsewhere where it is on another host
+  /// @throw Elsewhere if it is on another host
   void require_here(const NodeName& node) const;
 
   /// @throw UsageError listing the nodes there are
@@ -92,17 +92,17 @@ class RingAccess {
   RingDescription ring_;
 };
 
-/// The ring given, else the environment's LIMB_RING_RING; empty where neither names one.
-/// @throw UsageError where that cannot be a ring's name
+/// The ring given, else the environment's LIMB_RING_RING; empty if neither names one.
+/// @throw UsageError if that cannot be a ring's name
 std::string named_ring(const std::string& given);
 
 /// The ring that a command is for: the one given, else the environment's LIMB_RING_RING, else the only one
 /// running, else the only one that is dead because its daemons were killed on purpose.
-/// @throw NoRing where there is none; UsageError listing them where several run.
+/// @throw NoRing if there is none; UsageError listing them where several run.
 std::string choose_ring(const std::string& given);
 
 /// The same for a command that takes the name as its argument RING, too; each may be empty.
-/// @throw also UsageError where the two differ
+/// @throw also UsageError if the two differ
 std::string choose_ring(const std::string& argument, const std::string& option);
 
 using live::ring_clock;
@@ -112,7 +112,7 @@ using live::standing_clock;
 /// for null.
 std::string clock_words(const nlohmann::json& clock);
 
-/// To be called when what was asked for has not been answered in time. @throw NotKnown with standing_clock(), where it
+/// To be called when what was asked for has not been answered in time. @throw NotKnown with standing_clock(), if it
 /// stands: it may happen once it goes on
 void require_clock_goes(const std::string& ring);
 

@@ -78,7 +78,7 @@ void require_none_of(const std::vector<std::string>& scenarios, const std::strin
       throw UsageError(path + " is a scenario that is to be run, and would be lost; write to another file");
 }
 
-/// @throw UsageError where two options name one file: it would be neither
+/// @throw UsageError if two options name one file: it would be neither
 void require_files_of_their_own(const ScenarioOptions& options) {
   const std::pair<const char*, const std::string&> outputs[] = {{"--junit", options.junit},
                                                                 {"--capture", options.capture},
@@ -162,7 +162,7 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
   return run_scenario(scenario, seed, capture, at, [&signals] { throw_if_interrupted(signals); });
 }
 
-/// What is whole only when all have been run: JSON and JUnit. @throw NotDone where it cannot be written
+/// What is whole only when all have been run: JSON and JUnit. @throw NotDone if it cannot be written
 void report(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit,
             const std::vector<Scenario>& scenarios, const std::string& stopped = {}) {
   std::vector<app::Row> rows;

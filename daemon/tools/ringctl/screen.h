@@ -17,7 +17,7 @@ namespace limb_ring::ringctl {
 /// cursor. As it was once this ends, however it ends. Plain ANSI.
 class Screen {
  public:
-  /// @throw UsageError where standard input or output is no terminal
+  /// @throw UsageError if standard input or output is not a terminal
   Screen();
   ~Screen() { close(); }
   Screen(const Screen&) = delete;
@@ -63,7 +63,7 @@ void while_telling(const std::string& ring, const std::function<void()>& work, c
 
 /// A line on standard error, for who has called ringctl: "ringctl: WHAT".
 void tell_user(const std::string& what);
-/// The same of a process::Standstill; nothing where it is 0.
+/// The same of a process::Standstill; nothing if it is 0.
 void tell_standstill(std::chrono::nanoseconds time);
 
 /// What ringctl ends with; every --help says so too.
@@ -114,7 +114,7 @@ struct Elsewhere : NoRing {
   Elsewhere(const std::string& what, std::string ssh_destination, std::string of_ring = {})
       : NoRing(what), destination(std::move(ssh_destination)), ring(std::move(of_ring)) {}
   std::string destination;  ///< as ssh takes it
-  std::string ring;         ///< empty where no ring runs yet
+  std::string ring;         ///< empty if no ring runs yet
 };
 
 }  // namespace limb_ring::ringctl

@@ -124,7 +124,7 @@ bool delivered(const Result& result) { return result.outcome == Outcome::deliver
 /// It was delivered, or may have been: nothing has come home that says otherwise.
 bool may_be(const Result& result) { return ask::may_have_arrived(result) || result.outcome == Outcome::lost; }
 
-/// @return false where nothing came
+/// @return false if nothing came
 bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanoseconds until_next) {
   const auto wait = std::chrono::ceil<std::chrono::milliseconds>(until_next);
   const auto message = port.receive(std::clamp(wait, std::chrono::milliseconds(0), process::SignalWait::kTick));

@@ -13,7 +13,7 @@
 
 namespace limb_ring::ringctl {
 
-/// What came of a number of sends.
+/// The results of a number of sends.
 struct Sends {
   std::uint64_t asked = 0;  ///< how many were to be made
   std::uint64_t sent = 0;
@@ -46,7 +46,7 @@ class RefusalCounters {
 
 /// Prints one result, or how many ended how, or all as JSON. @return exit_code(); kNotDone where not all were made, or
 /// have ended.
-/// @throw HostPortError where the daemon has gone meanwhile
+/// @throw HostPortError if the daemon has gone meanwhile
 int report(const Sends& sends, bool as_json);
 
 /// As send_all(). The reasons of refused sends come from their destinations, if these can be asked on this host.
@@ -75,7 +75,7 @@ class ResultWait {
 
   /// A result has come, or none is waited for.
   void restart() { begun_ = std::chrono::steady_clock::now(); }
-  /// To be called now and then. @throw HostPortError that names the node, where it is in vain to go on
+  /// To be called now and then. @throw HostPortError that names the node, if it is in vain to go on
   void check() const;
 
  private:
@@ -88,8 +88,8 @@ CLI::Validator any_channel();
 /// The same without channel 1, which is the network controllers' own.
 CLI::Validator channel_of_clients();
 
-/// Bytes written as hexadecimal digits, two each; spaces, ':' and a leading 0x are passed over.
-/// @throw UsageError naming what is no digit, or an odd number of them
+/// Bytes written as hexadecimal digits, two each; spaces, ':' and a leading 0x are ignored.
+/// @throw UsageError naming what is not a digit, or an odd number of them
 std::vector<std::uint8_t> parse_hex(const std::string& text);
 
 }  // namespace limb_ring::ringctl

@@ -32,7 +32,7 @@ std::string figure(const nlohmann::json& clock, const char* name) {
   return clock.is_object() ? app::number(clock[name].get<double>(), 3) : "-";
 }
 
-/// {"host": this one, "hosts": all names} of a ring that has hosts; else, and where no daemon answers, empty.
+/// {"host": this one, "hosts": all names} of a ring that has hosts; else, and if no daemon answers, empty.
 nlohmann::json hosts_of(const std::string& ring) {
   try {
     const RingAccess access = RingAccess::open(ring);
@@ -137,7 +137,7 @@ int show_once(const Context& context, const StatusOptions& options) {
   return kDone;
 }
 
-/// @return false where somebody has asked it to end
+/// @return false if somebody has asked it to end
 bool wait(const StatusOptions& options, Screen* screen, process::SignalWait& signals) {
   const auto until = steady_clock::now() + duration<double>(options.interval_s);
   while (steady_clock::now() < until) {

@@ -169,7 +169,7 @@ std::string unanswered_report(const Rows& rows) {
 
 namespace {
 
-/// What nodes warn of, such as too few file descriptors; empty where none does.
+/// What nodes warn of, such as too few file descriptors; empty if none does.
 std::string warning_report(const Rows& rows) {
   std::map<std::string, std::string> names;  // by what is said
   for (const NodeRow& row : rows) {
@@ -234,7 +234,7 @@ std::string whole_report(const Rows& rows) {
 
 namespace {
 
-/// The row of the node that says it is the supervisor; nullptr where none does.
+/// The row of the node that says it is the supervisor; nullptr if none does.
 const NodeRow* supervisor_of(const Rows& rows) {
   const auto found = std::find_if(rows.begin(), rows.end(), [](const NodeRow& row) { return row.supervisor; });
   return found == rows.end() ? nullptr : &*found;
@@ -282,7 +282,7 @@ std::string supervision_text(const Rows& rows) {
 
 namespace {
 
-/// The node behind a break knows best; where it does not answer, any other that was told.
+/// The node behind a break knows best; if it does not answer, any other that was told.
 std::string broken_lines(const Rows& rows) {
   std::map<std::uint8_t, std::string> lines;  // by the node behind
   for (const NodeRow& row : rows) {

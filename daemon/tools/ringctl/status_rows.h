@@ -34,16 +34,16 @@ std::string line_name(const Rows& rows, std::uint8_t before, std::uint8_t behind
 /// controller says no more than "silent", and that only of a CPU that has promised to speak; "stopped" since a stop,
 /// until `resume`.
 std::string cpu_word(const status::NodeRow& row);
-/// "round trips of the last 60 s": since when the percentiles of these rows are; empty where there are none.
+/// "round trips of the last 60 s": since when the percentiles of these rows are; empty if there are none.
 std::string round_trips_since(const Rows& rows);
 /// Packets, and datagrams of them, that were damaged, lost or thrown away at this node since its start:
 /// ErrorCounter::of_packets, added up.
 std::uint64_t errors_of(const status::NodeRow& row);
 /// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back, or an open chain and where it is broken.
 std::string headline(const std::string& ring, const Rows& rows);
-/// The nodes that have not answered, and why; empty where all have.
+/// The nodes that have not answered, and why; empty if all have.
 std::string unanswered_report(const Rows& rows);
-/// The nodes that are stopped, and what ends it; empty where none is.
+/// The nodes that are stopped, and what ends it; empty if none is.
 std::string stop_report(const Rows& rows);
 /// All of these, with line_report() and supervision_text().
 std::string whole_report(const Rows& rows);
@@ -55,7 +55,7 @@ std::string whole_report(const Rows& rows);
 /// Adds `cpu.verdict` to the row of every CPU that is watched.
 void add_verdicts(Rows& rows);
 
-/// A line for each watched CPU that is in trouble or was; empty where none.
+/// A line for each watched CPU that is in trouble or was; empty if none.
 std::string supervision_text(const Rows& rows);
 ///@}
 
@@ -71,11 +71,11 @@ std::string status_table(const Rows& rows, const StatusStyle& style = {});
 /// Red for a node that is not up, yellow for a CPU that should run and does not, else none (an empty text).
 const char* status_colour(const std::string& state, const std::string& cpu);
 
-/// Microseconds for people: a decimal only where it says something; "-" for none.
+/// Microseconds for people: a decimal only if it says something; "-" for none.
 std::string us_cell(std::optional<double> us);
 
 /// What the rows of `status --json` say of lines that are broken, noisy, or made so on purpose: a line of text
-/// each, empty where all is well.
+/// each, empty if all is well.
 std::string line_report(const std::vector<status::NodeRow>& rows);
 
 /// How long a sync interrupt took from one node to the next that latched. (ours)

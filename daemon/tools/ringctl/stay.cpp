@@ -104,8 +104,8 @@ void tell_taken_down(const std::string& ring) {
             << std::endl;
 }
 
-/// Until a signal, whatever ends the daemons; where the ring was taken down, also until whoever started us is gone,
-/// such as a roslaunch that was killed: nobody else would end us. @throw NotDone where one cannot start
+/// Until a signal, whatever ends the daemons; if the ring was taken down, also until whoever started us is gone,
+/// such as a roslaunch that was killed: nobody else would end us. @throw NotDone if one cannot start
 void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, UpLock& lock) {
   Respawn respawn(daemons);
   std::optional<RingWatch> watch(plan);

@@ -30,12 +30,12 @@ std::optional<process::Program> start_keeper(const RingPlan& plan, process::Life
 int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, bool has_end);
 
 /// Starts the ring and stays until a signal, whatever ends the daemons. @return an ExitCode
-/// @throw NotDone where one cannot start
+/// @throw NotDone if one cannot start
 int respawn(const RingPlan& plan, UpLock& lock);
 
 /// Restarts daemons of a ring that end by themselves, each after a pause that grows while it keeps ending.
 /// A daemon that somebody has ended on purpose stays down: by 'ringctl down', by SIGTERM, or by 'ringctl fault kill'.
-/// After the last, 'fault start' or 'fault clear' starts a daemon that is no child of ours; if that one dies, it is
+/// After the last, 'fault start' or 'fault clear' starts a daemon that is not a child of ours; if that one dies, it is
 /// restarted after 8 s.
 class Respawn {
  public:

@@ -153,7 +153,7 @@ std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::s
   return nodes;
 }
 
-/// From `port`; where that does not reach the node, and the user leaves it to us, from a node that does.
+/// From `port`; if that does not reach the node, and the user leaves it to us, from a node that does.
 Result send_resume(const RingAccess& ring, HostPort& port, std::uint8_t node, bool from_is_free) {
   const Result result = ask::resume_cpu(port, node, kAnswer);
   if (!from_is_free) return result;

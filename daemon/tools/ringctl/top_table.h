@@ -20,7 +20,7 @@ struct StatusSample {
 /// What happened between two samples, a row for each node, rates where both have it:
 /// {"id", "name", "state", "to", "packets_per_second", "bytes_per_second", "load", "round_trip_us", "errors", "cpu",
 /// "changed"}. Rates are those of the line out of the node, its bytes are counted where they come in; the load is
-/// their share of the line's rate, null where the line has none. "changed" names those of state, cpu and errors that
+/// their share of the line's rate, null if the line has none. "changed" names those of state, cpu and errors that
 /// are not as they were.
 std::vector<nlohmann::json> top_rows(const StatusSample& before, const StatusSample& now);
 
@@ -31,7 +31,7 @@ struct TopStyle {
 };
 
 /// A heading and a line for each node.
-/// @param report what there is to say below, lines of text; shown where there is room
+/// @param report what there is to say below, lines of text; shown if there is room
 std::string top_table(const std::string& heading, const std::vector<nlohmann::json>& rows, const TopStyle& style = {},
                       const std::string& report = {});
 
@@ -40,7 +40,7 @@ class StatusPoll {
  public:
   /// What the node at that place of the ring is to be observed by (HostPort::observe()). Called by several threads.
   using Order = std::function<std::string(std::size_t node)>;
-  /// What came from that node and is no status row.
+  /// What came from that node and is not a status row.
   using Seen = std::function<void(std::size_t node, const Message& message)>;
 
   explicit StatusPoll(const RingAccess& ring, Order order = {}, Seen seen = {});

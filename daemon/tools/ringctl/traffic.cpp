@@ -49,7 +49,7 @@ std::unique_ptr<CaptureSink> sink_of(const ShowOptions& options, const capture::
   return text_sink(names, text);
 }
 
-/// One node's input shows every packet of a closed ring once: the supervisor's, where none is named.
+/// One node's input shows every packet of a closed ring once: the supervisor's, if none is named.
 std::vector<NodeName> nodes_of(const RingAccess& ring, const std::vector<std::string>& words) {
   if (words.empty()) {
     HostPort port = ring.connect(ring.source(""));
@@ -87,7 +87,7 @@ capture::Choice file_choice(const ShowOptions& options, const capture::RingNames
   return choice;
 }
 
-/// @param shown counts also where this throws. @throw capture::CaptureFileError
+/// @param shown counts also if this throws. @throw capture::CaptureFileError
 void show_records(capture::PcapngReader& reader, const ShowOptions& options, capture::Selection& selection,
                   CaptureSink& sink, std::uint64_t& shown) {
   while (const auto record = reader.next()) {

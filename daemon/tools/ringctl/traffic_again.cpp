@@ -143,7 +143,7 @@ class Replay {
     for (const auto& [node, port] : ports_) waiting_.push_back({port.fd(), POLLIN, 0});
   }
 
-  /// @return false where somebody has asked it to end. @throw HostPortError where a daemon dies, as the next one
+  /// @return false if somebody has asked it to end. @throw HostPortError if a daemon dies, as the next one
   bool run(double speed, process::SignalWait& signals) {
     const auto begin = steady_clock::now();
     standstill_ = process::Standstill(begin);
@@ -164,7 +164,7 @@ class Replay {
   std::uint64_t sent() const { return sent_; }
   std::uint64_t unanswered() const { return sent_ - ended_; }
   const std::map<Outcome, std::uint64_t>& outcomes() const { return outcomes_; }
-  /// Why the others were not delivered, in words; where nobody says, the outcome.
+  /// Why the others were not delivered, in words; if nobody says, the outcome.
   const std::map<std::string, std::uint64_t>& reasons() const { return reasons_; }
 
  private:
@@ -218,7 +218,7 @@ class Replay {
   std::uint64_t sent_ = 0, ended_ = 0;
 };
 
-/// @throw UsageError where the last of a round would be sent more than kLongestReplay after the first
+/// @throw UsageError if the last of a round would be sent more than kLongestReplay after the first
 void require_an_end(const ReplayPlan& plan, const AgainOptions& options) {
   using Days = std::chrono::duration<double, std::ratio<86400>>;
   const auto later = [](const ReplaySend& one, const ReplaySend& other) { return one.after_ns < other.after_ns; };

@@ -417,7 +417,7 @@ std::unique_ptr<capture::TracedRing> sorted(std::vector<capture::SeenPacket> pac
   return ring;
 }
 
-/// Where one is asked for and it is not open yet. @throw UsageError
+/// If one is asked for and it is not open yet. @throw UsageError
 void open_picture(std::ofstream& picture, const WhyOptions& options) {
   const std::string& path = options.perfetto.empty() ? options.svg : options.perfetto;
   if (path.empty() || picture.is_open()) return;

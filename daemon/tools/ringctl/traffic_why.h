@@ -14,9 +14,9 @@ std::string packet_words(const capture::SeenPacket& packet, const capture::RingN
 std::string title_of(const capture::PacketTrace& trace, const capture::RingNames& names);
 /// How it ended, and where not at home, where it was seen last.
 std::string end_words(const capture::PacketTrace& trace, const capture::RingNames& names);
-/// Why it is another try, one sentence each; none where it is the first.
+/// Why it is another try, one sentence each; none if it is the first.
 std::vector<std::string> retry_words(const capture::PacketTrace& trace, const capture::RingNames& names);
-/// What happened at that hop and on the line to it, in words; empty where nothing did.
+/// What happened at that hop and on the line to it, in words; empty if nothing did.
 std::string hop_words(const capture::PacketTrace& trace, std::size_t hop, const capture::RingNames& names);
 /// "12.384", in us to the nanosecond.
 std::string in_us(std::chrono::nanoseconds time);

@@ -63,7 +63,7 @@ void require_not_running(const RingPlan& plan) {
   throw NotDone("ring " + plan.ring + " is running already; 'ringctl down " + plan.ring + "' ends it");
 }
 
-/// What saves recordings runs beside the ring, where nobody sees it fail. @throw UsageError
+/// What saves recordings runs beside the ring, if nobody sees it fail. @throw UsageError
 void require_place_for_saves(const RingPlan& plan, const std::string& config) {
   if (plan.keeper.empty()) return;
   const std::string problem = app::make_output_folder(plan.saves);
@@ -71,7 +71,7 @@ void require_place_for_saves(const RingPlan& plan, const std::string& config) {
     throw UsageError(config + ": entry 'recorder.folder': " + problem + "; allowed: a folder that can be written");
 }
 
-/// Waits until the ring, or this host's part of it, is closed. @return why it is not; empty where it is
+/// Waits until the ring, or this host's part of it, is closed. @return why it is not; empty if it is
 std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::LaunchedRing& daemons,
                               process::SignalWait& signals, double timeout_s) {
   const auto deadline = steady_clock::now() + milliseconds(static_cast<int>(timeout_s * 1000));
@@ -92,7 +92,7 @@ std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::Laun
   }
 }
 
-/// @throw UsageError where --host names another machine, unless it is to be done there
+/// @throw UsageError if --host names another machine, unless it is to be done there
 RingPlan planned(const Context& context, const UpOptions& options) try {
   return plan_ring(options.request);
 } catch (const Elsewhere& problem) {
@@ -312,7 +312,7 @@ live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifet
   return request;
 }
 
-/// The program of a node's CPU that is not there; empty where it is.
+/// The program of a node's CPU that is not there; empty if it is.
 std::string missing_program(const config::RingConfig& config, const config::NodeConfig& node) {
   if (node.cpu.kind != config::CpuConfig::Kind::child || node.cpu.command.empty()) return "";
   const std::string& name = node.cpu.command.front();
@@ -364,7 +364,7 @@ bool is_there(const std::string& folder) {
   return std::filesystem::exists(folder, error);
 }
 
-/// 'ringctl down' may remove the folder at any time before the lock is had. @return nothing where another one has it
+/// 'ringctl down' may remove the folder at any time before the lock is had. @return nothing if another one has it
 std::optional<process::LockFile> take_in_folder(const std::string& ring, const std::string& host) {
   for (;;) {
     try {

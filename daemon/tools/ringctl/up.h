@@ -65,10 +65,10 @@ std::string up_lock(const std::string& folder, const std::string& host = {});
 class UpLock {
  public:
   /// @param host whose part is started; empty: all of the ring
-  /// Where 'ringctl down' has just this lock, to tidy the folder, it comes after that. @throw NotDone with the pid of
+  /// If 'ringctl down' has just this lock, to tidy the folder, it comes after that. @throw NotDone with the pid of
   /// the other one
   UpLock(const std::string& ring, const std::string& host);
-  /// Where the ring has not come up, and its folder was made for it, that goes, too: a failed start leaves nothing. It
+  /// If the ring has not come up, and its folder was made for it, that goes, too: a failed start leaves nothing. It
   /// stays where a daemon lives, or has recorded what may tell why.
   ~UpLock();
   UpLock(const UpLock&) = delete;

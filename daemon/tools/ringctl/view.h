@@ -34,7 +34,7 @@ class ViewedRing {
  public:
   using Tell = std::function<void(const std::string& event, const std::string& json)>;
 
-  /// @throw std::runtime_error where too many files are open
+  /// @throw std::runtime_error if too many files are open
   explicit ViewedRing(std::string ring);
   ~ViewedRing();
   ViewedRing(const ViewedRing&) = delete;
@@ -46,7 +46,7 @@ class ViewedRing {
   int told_fd() const { return told_fd_.get(); }
   /// Calls `tell` for each that waits, in their order, and says how many were left out because too many waited.
   void take(const Tell& tell);
-  /// The newest status row of a node; empty where there is none.
+  /// The newest status row of a node; empty if there is none.
   std::string row(const std::string& id) const;
 
  private:
@@ -82,11 +82,11 @@ struct ViewOptions {
 /// size and time, clients in number; one that reads too slowly is dropped. Requests of other origins, and those for a
 /// host that is a name but localhost (DNS rebinding), are refused. Without `control` nothing can be changed. What the
 /// page orders is done by a ringctl of its own, so it is what the same words do on a command line.
-/// @return an ExitCode. @throw UsageError where the address cannot be had, or the page's files are not there
+/// @return an ExitCode. @throw UsageError if the address cannot be had, or the page's files are not there
 int serve_view(const ViewOptions& options);
 
 /// The command line for an order of the page, such as ["fault", "hang", "left_knee"], without "ringctl --ring RING".
-/// @throw UsageError where that is none of those that a page may give, or a word is no plain one
+/// @throw UsageError if that is none of those that a page may give, or a word is not a plain one
 std::vector<std::string> ordered_words(const std::string& json);
 
 /// Whether requests for this Host are answered: numbers or localhost, at this port.

@@ -91,7 +91,7 @@ std::string new_token() {
   return text.str();
 }
 
-/// The last lines of what a node's daemon and its CPU printed, or why they are not kept; nothing where `id` is none.
+/// The last lines of what a node's daemon and its CPU printed, or why they are not kept; nothing if `id` is none.
 std::optional<std::string> end_of_log(const std::string& ring, const std::string& id) {
   if (!config::are_digits(id, 3) || std::stoi(id) > 254) return {};
   const std::string path = live::log_of(ring_directory(ring), static_cast<std::uint8_t>(std::stoi(id)));

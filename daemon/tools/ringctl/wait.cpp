@@ -68,7 +68,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// A daemon that lives has answered by then, also where the wait is shorter.
+/// A daemon that lives has answered by then, also if the wait is shorter.
 constexpr milliseconds kShortestLook{500};
 
 std::string label_of(const NodeRow& row) { return "node " + label({row.id, row.name}); }
@@ -80,7 +80,7 @@ std::string refusal_in(const Rows& rows) {
   return {};
 }
 
-/// Nothing where no ring runs yet.
+/// Nothing if no ring runs yet.
 Rows rows_of(const std::string& ring, Deadline deadline, std::string& why_none) {
   try {
     return status_rows(RingAccess::open(choose_ring(ring), {}, deadline), deadline);

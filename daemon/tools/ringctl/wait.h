@@ -19,7 +19,7 @@ using Lack = std::function<std::string(const Rows& rows)>;
 std::string lack_of_whole(const Rows& rows);
 
 /// A node's state, or its CPU's, in the words of `ringctl status`.
-/// @return what they are instead; empty where one of them is `state`. @throw UsageError where there is no such node
+/// @return what they are instead; empty if one of them is `state`. @throw UsageError if there is no such node
 std::string lack_of_state(const Rows& rows, const std::string& node, const std::string& state);
 
 /// All words that lack_of_state() knows.
@@ -33,7 +33,7 @@ std::string wait_for(const std::string& ring, std::chrono::milliseconds timeout,
 
 /// What a node still lacks, by its status row, before the ring of so many nodes counts as whole: it has to be up in a
 /// ring of all of them, its second line, if it has one, to be connected, and its CPU to run where that is a child of
-/// ringd. Empty where nothing.
+/// ringd. Empty if nothing.
 std::string lack_of_node(const status::NodeRow& row, std::size_t nodes);
 /// The same for one host's part of a ring, while other hosts may still be missing: the node has to be in a ring of at
 /// least this host's `nodes`, or in an open chain.
@@ -48,7 +48,7 @@ class RingWatch {
     std::size_t index;  ///< of the node, in ring order
     std::string lack;   ///< "node 3 (left_knee): it is joining"
   };
-  /// The first node that is not ready; nothing where the ring is closed.
+  /// The first node that is not ready; nothing if the ring is closed.
   std::optional<NotReady> first_not_ready();
   /// How many nodes the ring had, as far as the nodes here knew when they were asked last.
   std::size_t ring_size() const { return ring_size_; }

@@ -96,7 +96,7 @@ void add_clock(CLI::App& app, Options& o) {
 }  // namespace
 
 /// Reads the command line.
-/// @return nothing where help or version was asked for, and printed
+/// @return nothing if help or version was asked for, and printed
 /// @throw UsageError
 std::optional<Options> parse_options(int argc, const char* const* argv) {
   Options o;

@@ -12,7 +12,7 @@ namespace limb_ring::scenario_cpu {
 /// written by the CPU and read by the scenario. It outlives the CPU's process, so that no reset loses a count. (ours)
 class TakenBoard {
  public:
-  /// Makes the file where there is none. @throw std::runtime_error naming it
+  /// Makes the file if there is none. @throw std::runtime_error naming it
   TakenBoard(const std::string& ring, std::uint8_t node);
 
   void count(std::uint8_t mark) { counts_[mark].fetch_add(1, std::memory_order_relaxed); }
