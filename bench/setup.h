@@ -31,7 +31,7 @@ struct Setup {
   std::size_t payload = kMaxPayload;  ///< bytes of data per packet, 4 to 512
   double seconds = 2;                 ///< per case, over all rounds
   unsigned rounds = 3;                ///< reference and rings take turns, because machines are noisy
-  bool ros = true;                    ///< the chain of relays too, where ROS is there
+  bool ros = true;                    ///< the chain of relays too, if ROS is there
   std::string humanoid;               ///< its YAML file; empty: not measured
   std::vector<std::string> only;      ///< of kCases; empty: all
   /// Called many times a second while something is waited for; throws to end the benchmark.

@@ -22,11 +22,11 @@ void run_gnuplot(const std::string& gnuplot, const std::string& folder, const st
 class PlotFolder {
  public:
   /// Makes the folder, and those above it, where they are missing.
-  /// @throw ring_sim::UsageError if it cannot be made, or written into; std::runtime_error where gnuplot is missing
+  /// @throw ring_sim::UsageError if it cannot be made, or written into; std::runtime_error if gnuplot is missing
   explicit PlotFolder(const std::string& path);
 
   /// Writes <name>.csv and <name>.gp, and lets gnuplot draw <name>.png and <name>.svg.
-  /// @throw ring_sim::UsageError if a file cannot be written; std::runtime_error where gnuplot fails
+  /// @throw ring_sim::UsageError if a file cannot be written; std::runtime_error if gnuplot fails
   void draw(const Picture& picture) const;
 
  private:

@@ -45,7 +45,7 @@ class CommandFilter {
  public:
   explicit CommandFilter(nanoseconds memory) : memory_(memory) {}
 
-  /// Remembers what it lets through, and ends the stop where that resumes.
+  /// Remembers what it lets through, and ends the stop if that resumes.
   Verdict judge(const payload::JointCommand& command, const Timestamps& now);
   /// Latches a stop until a command that resumes and was given later than this.
   void stop(const Timestamps& now) { stopped_at_ = now.monotonic; }

@@ -23,7 +23,7 @@ class Meanwhile {
   Clock::time_point until(Clock::time_point deadline) const {
     return call_ ? std::min(deadline, Clock::now() + kPeriod) : deadline;
   }
-  /// Calls it where the last time is long enough ago. What it throws ends the wait.
+  /// Calls it if the last time is long enough ago. What it throws ends the wait.
   void look() {
     if (!call_ || Clock::now() < due_) return;
     due_ = Clock::now() + kPeriod;
@@ -79,13 +79,13 @@ class Connection {
   bool wait_until(std::chrono::nanoseconds until);
   /// Reads until now() reaches `time`.
   void sleep_until(std::chrono::nanoseconds time);
-  /// Lets the program do what it has to do meanwhile, where it is time for that.
+  /// Lets the program do what it has to do meanwhile, if it is time for that.
   void look() { meanwhile_.look(); }
   /// The clock by which this connection waits: the ring's in lockstep, else the machine's.
   std::chrono::nanoseconds now() const;
   ClockKind clock() const { return clock_; }
   std::optional<Message> take();
-  /// Begins a wait: says that the CPU is alive where it has said nothing for a while.
+  /// Begins a wait: says that the CPU is alive if it has said nothing for a while.
   void stay_alive();
 
   bool connected() const { return connected_; }

@@ -28,7 +28,7 @@ Decoded<CommandHead> get_head(ByteReader& reader, PacketType type, std::uint8_t 
 ///@{
 bool has_nan(const JointCommand::Joint& joint);
 std::size_t encoded_size(const JointCommand::Joint& joint);
-/// Sets the flag *saturated* where a value is cut.
+/// Sets the flag *saturated* if a value is cut.
 void put(ByteWriter& writer, const JointCommand::Joint& joint);
 std::optional<DecodeError> get(ByteReader& reader, JointCommand::Joint& joint);
 ///@}

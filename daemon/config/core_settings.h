@@ -11,7 +11,7 @@ namespace limb_ring::setup {
 core::Settings core_settings(const config::RingConfig& ring, const config::NodeConfig& node, std::uint64_t boot);
 
 /// DATPs of 524 bytes that the node's insertion buffer needs room for so that an intact ring loses none: one of each
-/// node where the line into it or out of it has a data rate, else 2. (ours, protocol.md section 2.5)
+/// node if the line into it or out of it has a data rate, else 2. (ours, protocol.md section 2.5)
 unsigned insertion_buffer_needed(const config::RingConfig& ring, const config::NodeConfig& node);
 /// "limits.insertion_buffer is 8, ..."; empty if it is not given, or is as large as that.
 std::string too_small_insertion_buffer(const config::RingConfig& ring, const config::NodeConfig& node);

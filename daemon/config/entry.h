@@ -96,7 +96,7 @@ struct Member {
   std::string name;
 };
 
-/// The text of a configuration, as_read() where that is kept. @throw ConfigError if it is not a regular file, not
+/// The text of a configuration, as_read() if that is kept. @throw ConfigError if it is not a regular file, not
 /// readable, or above 1 MiB
 std::string read_file(const std::string& path);
 
@@ -104,17 +104,17 @@ std::string read_file(const std::string& path);
 /// @throw ConfigError if it is not YAML, not one document, or beyond YamlLimits
 YAML::Node parse_yaml(const std::string& text, const std::string& name);
 
-/// "FILE:LINE:COLUMN", counted from 1; FILE alone where the place is not known.
+/// "FILE:LINE:COLUMN", counted from 1; FILE alone if the place is not known.
 std::string place_in(const std::string& name, const YAML::Mark& mark);
 
-/// Watches one YAML document while it is parsed, before anything is built of it, and ends the parsing where the
+/// Watches one YAML document while it is parsed, before anything is built of it, and ends the parsing if the
 /// document would be too much: an alias counts as all that it stands for. (ours)
 class YamlLimits final : public YAML::EventHandler {
  public:
   static constexpr std::size_t kMostDepth = 64;       ///< lists and maps within each other
   static constexpr std::size_t kMostValues = 300000;  ///< values, lists, maps and keys together
 
-  /// @param name of the file, for errors. Every call below throws ConfigError where a limit is passed.
+  /// @param name of the file, for errors. Every call below throws ConfigError if a limit is passed.
   explicit YamlLimits(std::string name) : name_(std::move(name)) {}
 
   /// Where the document begins.

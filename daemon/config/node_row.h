@@ -17,9 +17,9 @@ namespace limb_ring::status {
 /// Whether a member is in the JSON. Who reads takes one that is missing and one that is null for the same.
 enum class In : std::uint8_t {
   always,  ///< without it, it is no such answer
-  told,    ///< always where a daemon answers; who reads keeps the initial value where it is missing
+  told,    ///< always if a daemon answers; who reads keeps the initial value if it is missing
   null,    ///< null if it is empty
-  some     ///< left out where it is empty, or false
+  some     ///< left out if it is empty, or false
 };
 
 /// The rows of a list: type, name, initial value, In, meaning.

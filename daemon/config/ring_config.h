@@ -53,7 +53,7 @@ struct CpuConfig {
   nanoseconds jitter{0};         ///< ... and up to so much more, drawn for each turn
 };
 
-/// Units are rad, rad/s and N m where it turns, m, m/s and N where it slides.
+/// Units are rad, rad/s and N m if it turns, m, m/s and N if it slides.
 struct JointConfig {
   std::string name;
   /// revolute and continuous turn, the latter without end; prismatic slides.
@@ -97,7 +97,7 @@ struct ExpectedConfig {
 struct LinkConfig {
   enum class Transport { unix_stream, shm, udp } transport = Transport::shm;
   std::string address = "127.0.0.1";  ///< udp: the node listens there, and only there
-  /// udp: `links.port` + id where the node's own is not given; loading fills it in. In
+  /// udp: `links.port` + id if the node's own is not given; loading fills it in. In
   /// RingConfig::links: the port of id 0, of the ring's name if not given.
   std::uint16_t port = 0;
   /// udp: where the node listens on the second line, against the ring. (ours)

@@ -8,7 +8,7 @@ namespace limb_ring::config {
 /// The entry `urdf`: reads that file into the document. @throw ConfigError
 void read_urdf(const Entry& entry);
 
-/// The document's URDF, where it has one, gives a joint its type and limits, until the ring's file says otherwise.
+/// The document's URDF, if it has one, gives a joint its type and limits, until the ring's file says otherwise.
 /// @param name the entry with the joint's name
 /// @throw ConfigError if the URDF has no joint of that name, or one without a motor
 void take_urdf_limits(const Entry& name, JointConfig& joint);

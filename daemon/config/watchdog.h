@@ -167,14 +167,14 @@ const char* to_string(Effect effect);
 struct ResetReport {
   Effect effect = Effect::none;
   std::string message;       ///< for people
-  core::SendEnded ended;     ///< of the INTP; lost where it has not ended yet
+  core::SendEnded ended;     ///< of the INTP; lost if it has not ended yet
   std::uint32_t boots = 0;   ///< of that CPU, as last heard
   core::Duration lasted{0};  ///< from the order to this report
   bool success() const { return effect == Effect::seen; }
 };
 
 /// One reset under way: an INTP to the reset pin, then a higher boot number in the beacons of its node: of its CPU, or
-/// of the node itself where CPU and network controller are one firmware. (ours, protocol.md section 5.5) An INTP that
+/// of the node itself if CPU and network controller are one firmware. (ours, protocol.md section 5.5) An INTP that
 /// does not come home, in an open chain or lost, may have arrived all the same: if that node can still be heard its
 /// boot number tells.
 ///

@@ -41,7 +41,7 @@ class NetworkController final {
   }
   /// input::Receive, without a copy of the slice.
   void receive(Line line, const wire::Slice& slice, Time now);
-  /// input::OutputReady, where it is news. It takes no time.
+  /// input::OutputReady, if it is news. It takes no time.
   void set_output_ready(Line line, bool ready) {
     if (ready_[index(line)] != ready) apply(input::OutputReady{line, ready}, kNever);
   }

@@ -33,7 +33,7 @@ struct Settings {
   Duration byte_time_in{0};   ///< of the input line
   Duration relay_delay{0};    ///< d of protocol.md section 7.1; only time-outs use it here
 
-  /// Worst lap of the whole ring where its lines differ; 0: nodes() times the own line's T + d.
+  /// Worst lap of the whole ring if its lines differ; 0: nodes() times the own line's T + d.
   Duration lap{0};
   /// Sum of the d of all nodes, if they differ; 0: nodes() times the own relay_delay.
   Duration all_delays{0};
@@ -76,7 +76,7 @@ struct Settings {
   }
 
   /// Two parts of the ring may each be a closed ring for a while, and number on; then they grow together again: two
-  /// breaks where it folds back, or hosts that lose each other. (ours, protocol.md section 4.10)
+  /// breaks if it folds back, or hosts that lose each other. (ours, protocol.md section 4.10)
   bool falls_into_parts() const { return fold_back || several_hosts; }
   unsigned nodes() const { return static_cast<unsigned>(order.size()); }
   /// One lap of largest packets in the worst case: N * (T + d), INTPs cutting in once per node.

@@ -30,7 +30,7 @@ class Child {
   const std::optional<ExitStatus>& ended() const { return ended_; }
   /// Nothing happens once it has ended.
   void signal(int number) const;
-  /// SIGTERM, and SIGKILL where it takes longer than two seconds; returns when it has ended.
+  /// SIGTERM, and SIGKILL if it takes longer than two seconds; returns when it has ended.
   void end();
   /// SIGKILL; returns when it has ended.
   void kill();
@@ -44,7 +44,7 @@ class Child {
   std::optional<ExitStatus> ended_;
 };
 
-/// One child at a time, with the process group it leads. Watched by pidfd, or by SIGCHLD where
+/// One child at a time, with the process group it leads. Watched by pidfd, or by SIGCHLD if
 /// the kernel has none; reaped by its number only, so that other children of this process are
 /// left to their owners. What is left of the group is killed when its leader ends.
 class ChildProcess {
@@ -57,7 +57,7 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Starts a child; `on_exit` is called once from the event loop when it has ended, also where
+  /// Starts a child; `on_exit` is called once from the event loop when it has ended, also if
   /// the program could not be executed or even forked. It may start the next one.
   /// @pre !running()
   void start(const SpawnRequest& request, OnExit on_exit);

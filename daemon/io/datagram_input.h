@@ -53,7 +53,7 @@ class DatagramInput {
   /// then call lose_if_silent()
   bool tick(Time now);
   void lose_if_silent();
-  /// Silence::stood_still(), where somebody is upstream.
+  /// Silence::stood_still(), if somebody is upstream.
   bool stood_still(Time now) const { return from_ && silence_.stood_still(now); }
   /// The neighbour ends its session by it; on a keyed line it has to be authentic, and is not taken twice.
   bool is_bye(wire::ByteView datagram);

@@ -138,7 +138,7 @@ class InputLine {
   virtual void close() = 0;
   /// Its socket's file is where it was made; also if it has none.
   virtual bool is_in_place() const { return true; }
-  /// Makes its socket's file again, where it has one and that was removed. What is connected stays so.
+  /// Makes its socket's file again, if it has one and that was removed. What is connected stays so.
   /// @throw std::runtime_error
   virtual void listen_again() {}
   /// The upstream neighbour that came in by this line; nothing if there is none, or it came in by another line.

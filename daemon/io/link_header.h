@@ -28,7 +28,7 @@ void store_agreement(std::uint8_t* out, const Agreement& agreement);
 /// @param bytes kAgreementSize of them
 Agreement load_agreement(const std::uint8_t* bytes);
 
-/// Bit i is set where part i differs; 0: the two agree.
+/// Bit i is set if part i differs; 0: the two agree.
 std::uint32_t differences(const Agreement& ours, const Agreement& theirs);
 /// For people, such as "nodes and timeouts differ". @param differing as differences() says
 std::string differing_parts(std::uint32_t differing);
@@ -86,7 +86,7 @@ struct Identity {
 std::uint64_t ring_hash(const std::string& name);
 
 /// What the two ends of a link say about the link itself (ours, protocol.md section 6.5). A UDP datagram is a header
-/// and, where its type is `slices`, one slice. A UNIX stream opens with one `connect` header, goes on with bare slices,
+/// and, if its type is `slices`, one slice. A UNIX stream opens with one `connect` header, goes on with bare slices,
 /// and carries headers the other way. A line through shared memory opens with `connect_memory`, which brings two
 /// descriptors along; its slices go through the memory.
 ///

@@ -58,7 +58,7 @@ class QueueMemory {
 /// Bytes of capacity that a queue needs for a ring: a full packet of every node fits.
 std::size_t queue_capacity(std::size_t nodes);
 
-/// Why a line ends where the other end's index is one that it cannot have.
+/// Why a line ends if the other end's index is one that it cannot have.
 constexpr const char* kInvalidQueue = "its end of the shared memory is invalid";
 
 /// The writer's end.
@@ -114,7 +114,7 @@ class MemoryDownstream final : public UnixDownstream {
 
  private:
   bool greet(const LinkHeader& connect) override;
-  /// @return the other node's end of the pipe; invalid where the kernel gives none
+  /// @return the other node's end of the pipe; invalid if the kernel gives none
   process::UniqueFd make_wake();
   std::ptrdiff_t put(wire::ByteView slices, std::string& reason) override;
   std::uint32_t wait_for_room() override;
@@ -129,7 +129,7 @@ class MemoryDownstream final : public UnixDownstream {
 };
 
 /// The end of a pipe that wakes us, opened anew: what we have been given the other node has too, and could make us wait
-/// in it. @return invalid where it is not a pipe
+/// in it. @return invalid if it is not a pipe
 process::UniqueFd open_wake(const process::UniqueFd& given);
 
 /// A stream whose slices come through shared memory. Its socket says who is there, and that it has ended.

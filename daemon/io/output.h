@@ -60,7 +60,7 @@ class Downstream {
   }
   /// Once per `idle`: looks for signs of life of the other end, which alone do not wake this end.
   virtual void tick() = 0;
-  /// Called now and then until accepted: asks again where questions can get lost.
+  /// Called now and then until accepted: asks again if questions can get lost.
   virtual void ask_again() = 0;
   virtual void close() = 0;
   /// As close(), but without telling the other end: as when the wire breaks.

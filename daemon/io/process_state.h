@@ -33,7 +33,7 @@ inline bool is_gone(pid_t pid) {
   return state == 0 || state == 'Z' || state == 'X';
 }
 
-/// One process, and never another that was given its number later: held by a pidfd where the
+/// One process, and never another that was given its number later: held by a pidfd if the
 /// kernel has them (5.3 and up), else by its number alone.
 class ProcessHandle {
  public:
@@ -56,15 +56,15 @@ class ProcessHandle {
   UniqueFd fd_;
 };
 
-/// A pidfd of `pid`; -1 with errno set where the kernel has none or the process is gone.
+/// A pidfd of `pid`; -1 with errno set if the kernel has none or the process is gone.
 int open_pidfd(pid_t pid);
 
-/// Tells systemd that this process is ready, where it was started as a service of Type=notify (NOTIFY_SOCKET is set);
+/// Tells systemd that this process is ready, if it was started as a service of Type=notify (NOTIFY_SOCKET is set);
 /// else nothing. As sd_notify(3) has it, whose library this spares us.
 /// @param status a line for `systemctl status`
 void tell_ready(const std::string& status);
 
-/// Empties the file to which standard error is appended, where it lies in that folder and is longer than `most` bytes.
+/// Empties the file to which standard error is appended, if it lies in that folder and is longer than `most` bytes.
 /// A file of somebody else is left as it is.
 /// @return whether it has emptied it
 bool empty_long_log(const std::string& folder, off_t most);

@@ -53,7 +53,7 @@ int execute(const std::string& path, std::vector<std::string> arguments);
 /// Folder of the running executable; empty if it cannot be known.
 std::string own_folder();
 
-/// Path of a program: `name` itself where it holds a '/', else `folder`/name, else the first on
+/// Path of a program: `name` itself if it holds a '/', else `folder`/name, else the first on
 /// PATH that can be executed. So the programs of one build find each other first.
 /// @return empty if there is none.
 std::string find_program(const std::string& name, const std::string& folder = own_folder());

@@ -33,7 +33,7 @@ std::string text_of_regular(const std::string& path);
 class LockFile {
  public:
   /// @return nothing if another process has it
-  /// @throw std::runtime_error naming the file and what is wrong with it; std::system_error where the system says so
+  /// @throw std::runtime_error naming the file and what is wrong with it; std::system_error if the system says so
   static std::optional<LockFile> take(const std::string& path);
 
   /// Makes this its text. @throw std::system_error

@@ -20,7 +20,7 @@ using UdpAddress = boost::asio::ip::udp::endpoint;
 /// @throw std::runtime_error if the address is not numeric, saying so
 UdpAddress udp_address(const Endpoint& endpoint);
 
-/// Bound to exactly this endpoint, taking runs of datagrams in one read where the kernel can.
+/// Bound to exactly this endpoint, taking runs of datagrams in one read if the kernel can.
 /// @throw std::runtime_error naming the endpoint and the cause
 UdpSocket listen_udp(boost::asio::io_context& io, const Endpoint& endpoint);
 

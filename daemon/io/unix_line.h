@@ -72,7 +72,7 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
  protected:
   bool open() const { return owner_ != nullptr; }
   /// This end stood still and the other one has given it up meanwhile: ends the line with all that waits. @return false
-  /// where that is not so
+  /// if that is not so
   bool ended_if_given_up();
   void say_alive() { tell(alive_); }
   SliceFeed& feed() { return feed_; }

@@ -12,7 +12,7 @@
 
 namespace limb_ring::process {
 
-/// Connects a UNIX stream socket that never waits. @return an invalid one where that failed; errno says why
+/// Connects a UNIX stream socket that never waits. @return an invalid one if that failed; errno says why
 inline UniqueFd connect_unix(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

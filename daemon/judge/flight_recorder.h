@@ -64,7 +64,7 @@ class FlightRecorder final : public core::Journal {
  private:
   /// Bytes. Enough for all that follows from one input: the outputs of a turn are at most a few largest packets.
   static constexpr std::size_t kMargin = 1u << 15;
-  /// Bytes. From here on, where data was left out, the next half begins as soon as the core holds no packet.
+  /// Bytes. From here on, if data was left out, the next half begins as soon as the core holds no packet.
   static constexpr std::size_t kSoon = kMargin + kMargin / 4;
 
   bool half_is_over() const;

@@ -142,7 +142,7 @@ class PacketCollector {
     a("open", open_)("size", size_)("last", last_)("bytes", bytes_, open_ ? size_ : 0);
   }
 
-  /// @return the packet where this slice is its end, valid until the next one; else nothing
+  /// @return the packet if this slice is its end, valid until the next one; else nothing
   wire::ByteView put(const wire::Slice& slice, core::Time now) {
     using wire::SliceKind;
     if (slice.kind == SliceKind::whole) return size_ = slice.bytes.size, open_ = false, slice.bytes;

@@ -61,7 +61,7 @@ struct Taken {
 
 /// One call of a core: what went in, or what was taken out.
 struct Record {
-  core::Time at{};  ///< of the call, or of the one before where that one is not told the time
+  core::Time at{};  ///< of the call, or of the one before if that one is not told the time
   std::variant<core::Input, Written, core::Event, Taken> what;
   bool data_left_out = false;  ///< it is a packet that came in, of which the data is not there: zeroes
 };
@@ -287,7 +287,7 @@ inline bool can_be_abridged(const wire::Slice& slice) {
 /// Writes what is left of a packet: kAbridgedSize bytes.
 void put_abridged(Packed to, wire::ByteView packet);
 
-/// Writes framed slices, abridged where that can be:
+/// Writes framed slices, abridged if that can be:
 ///
 ///     | kind 8 | size 16 | bytes |        or        | kind 8 + kAbridged | size 16 | header 32 | trailer 32 | CRC 32 |
 void put_slices(core::StateWriter& room, wire::ByteView framed_slices);

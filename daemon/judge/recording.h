@@ -40,7 +40,7 @@ struct SavedRing {
 
 /// Copies the recordings of all nodes of a ring, also of dead ones and of the lives before, while the ring goes on.
 /// @param ring_folder its runtime folder
-/// @param to a folder, which is made where it is not there
+/// @param to a folder, which is made if it is not there
 /// @return 0 recordings if there are none
 /// @throw std::exception if the folder cannot be made
 SavedRing save_ring(const std::string& ring_folder, const std::string& to);

@@ -77,7 +77,7 @@ class CpuProcess {
   /// Kills the child. stop() is the gentle way.
   ~CpuProcess();
 
-  /// Starts the child, where the configuration names one.
+  /// Starts the child, if the configuration names one.
   void start();
   /// Ends the child and the commands of pins: SIGTERM, then SIGKILL; `done` is called from the
   /// event loop. An attached outside process is left alone.

@@ -23,7 +23,7 @@ class ReadThrottle {
     return period_ != kNeverAgain && now >= last_ + period_;
   }
   void took(core::Time now) { last_ = now; }
-  /// When it may take the next one; kNever where it may at once, or never.
+  /// When it may take the next one; kNever if it may at once, or never.
   core::Time next() const { return period_.count() == 0 || period_ == kNeverAgain ? core::kNever : last_ + period_; }
 
  private:

@@ -94,10 +94,10 @@ class HostServer final : private SessionOwner {
   /// Tells the CPU. @return false, and counted, if there is none
   bool interrupt(const limb_ring::Interrupt& interrupt);
 
-  /// The end of a call. Nothing happens where the client is gone.
+  /// The end of a call. Nothing happens if the client is gone.
   void result(ClientId client, const Result& result);
   void reply(ClientId client, std::uint32_t token, const std::string& json);
-  /// Left out, counted and told to the client where it reads too slowly.
+  /// Left out, counted and told to the client if it reads too slowly.
   void observed(ClientId client, const std::string& json);
   /// @return false if it was left out, and counted, since the client reads too slowly
   bool captured(ClientId client, const client::CapturedView& packet);
@@ -171,7 +171,7 @@ class HostServer final : private SessionOwner {
   Listener listener_;
   boost::asio::steady_timer accept_timer_;
   std::map<ClientId, SessionPtr> sessions_;
-  std::vector<SessionPtr> ended_;  ///< on_detach() still to be called, where they were attached
+  std::vector<SessionPtr> ended_;  ///< on_detach() still to be called, if they were attached
   SessionPtr cpu_;
   SessionPtr booting_cpu_;  ///< has greeted in lockstep, and is attached when its boot is over
   SessionPtr left_cpu_;     ///< was that one, and on_left() is still to be called
@@ -197,7 +197,7 @@ struct NodeHeld : std::runtime_error {
 /// systemd-tmpfiles leaves what is in there, however old it is.
 class NodeLock {
  public:
-  /// Waits for 200 ms where somebody holds it, who may be ending.
+  /// Waits for 200 ms if somebody holds it, who may be ending.
   /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming
   ///        the file and what is wrong with it
   NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name);

@@ -153,7 +153,7 @@ class Clock {
 
   core::Time now() const { return at(Steady::now()); }
   core::Time at(Steady::time_point when) const { return core::Time{} + (when - start_); }
-  /// The last instant a steady clock knows (292 years), where `when` is later or kNever.
+  /// The last instant a steady clock knows (292 years), if `when` is later or kNever.
   Steady::time_point steady(core::Time when) const {
     const core::Duration since = when.time_since_epoch();
     if (since >= Steady::time_point::max() - start_) return Steady::time_point::max();
@@ -176,8 +176,8 @@ class ClockControl {
     nanoseconds lost{0};  ///< real time that the machine was too slow for, and that is not made up for
     bool paused = false;
     bool follows = false;       ///< it goes on no further than allow() has said
-    nanoseconds allowed{0};     ///< where it follows
-    nanoseconds outer_zero{0};  ///< where it follows: what the outer clock shows at 0 of the ring's
+    nanoseconds allowed{0};     ///< if it follows
+    nanoseconds outer_zero{0};  ///< if it follows: what the outer clock shows at 0 of the ring's
   };
 
   virtual ~ClockControl() = default;

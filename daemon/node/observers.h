@@ -109,7 +109,7 @@ class PromiseObservers {
 
   /// Its file is there, or nobody needs it.
   bool is_in_place() const;
-  /// Makes the file again where it is not, and tells all. @throw std::system_error
+  /// Makes the file again if it is not, and tells all. @throw std::system_error
   void put_back();
 
  private:

@@ -41,7 +41,7 @@ class Requests {
   };
   explicit Requests(Targets targets) : to_(std::move(targets)) {}
 
-  /// `answer` is called exactly once, now or later; with {"error": ...} where it cannot be done.
+  /// `answer` is called exactly once, now or later; with {"error": ...} if it cannot be done.
   /// @param of_cpu asked by the CPU itself
   void handle(const std::string& text, bool of_cpu, const Answer& answer);
   /// Whether the request changes something, rather than only asking.
@@ -67,7 +67,7 @@ nlohmann::json object_in(const std::string& text, const char* problem);
 /// The first member that is not among these, printable; nothing if all are.
 std::optional<std::string> unknown_member(const nlohmann::json& object, const std::vector<std::string>& known);
 
-/// A whole number within `least` and `most`, `otherwise` where the field is missing.
+/// A whole number within `least` and `most`, `otherwise` if the field is missing.
 /// @throw RequestError naming the field and what is allowed
 std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,
                         std::uint64_t least, std::uint64_t most);

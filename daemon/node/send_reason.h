@@ -17,7 +17,7 @@ namespace limb_ring::runtime {
 /// Why one send ended otherwise than delivered.
 struct SendReason {
   Reason reason = Reason::none;
-  std::string text;  ///< for people; says "probably" where it is an inference
+  std::string text;  ///< for people; says "probably" if it is an inference
 };
 
 /// Why sends of this node ended as they did. A refused packet comes home without a reason, so the reason is inferred:

@@ -126,7 +126,7 @@ class HostHandler {
   virtual void on_shortage(const std::string& /*why*/) {}
   /// A sign of life: called for every message of a client, before the message's own call.
   virtual void on_alive(ClientId client) = 0;
-  /// The CPU can take packets where it could not: HostServer::cpu_can_take() has become true.
+  /// The CPU can take packets again: HostServer::cpu_can_take() has become true.
   virtual void on_credit(ClientId client) = 0;
 };
 
@@ -153,7 +153,7 @@ class SessionOwner {
 class Session : public std::enable_shared_from_this<Session> {
  public:
   static constexpr std::size_t kMaxQueued = 4 * 1024 * 1024;
-  /// An Observed is left out where more than this is waiting.
+  /// An Observed is left out if more than this is waiting.
   static constexpr std::size_t kMaxQueuedForObserved = 256 * 1024;
   /// A captured packet is left out if more bytes than this would be waiting: 25 ms of a ring at its
   /// busiest, so that an observer loses nothing merely because it is scheduled late.

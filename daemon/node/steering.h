@@ -91,7 +91,7 @@ class Steering final : public runtime::ClockControl {
 class VirtualClock final : public event_loop::NodeClock {
  public:
   /// @param ring outlives this, and this its timers
-  /// @param on_expired called where a timer has run out
+  /// @param on_expired called when a timer has run out
   explicit VirtualClock(
       sim::VirtualRing& ring, std::function<void()> on_expired = [] {})
       : ring_(ring), on_expired_(std::move(on_expired)) {}

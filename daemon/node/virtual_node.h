@@ -15,7 +15,7 @@ namespace limb_ring::virtual_host {
 struct VirtualWorld {
   sim::VirtualRing& ring;
   sim::VirtualLineFaults& faults;
-  std::function<void()> on_expired;  ///< called where a timer of a node has run out
+  std::function<void()> on_expired;  ///< called when a timer of a node has run out
 };
 
 /// The line out of a node of a virtual ring.

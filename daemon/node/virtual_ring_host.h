@@ -66,7 +66,7 @@ class RingPort final : private host::HostHandler {
 struct VirtualRingHostOptions {
   std::uint64_t line_fault_seed = 0;  ///< of faults that come without a seed
   int cpu_output = -1;                ///< descriptor for what CPUs print; -1: as this process
-  bool libraries = false;             ///< foreign nodes run their own code, where the file names it (LibraryNode)
+  bool libraries = false;             ///< foreign nodes run their own code, if the file names it (LibraryNode)
 };
 
 /// A whole ring in one process, on a virtual clock: its lines are simulated, its nodes have the host ports and CPUs of

@@ -82,7 +82,7 @@ std::vector<Node> wait_for_resumes(const std::string& ring, const std::vector<No
 std::string sentence_of_latched(const Node& node);
 
 bool any_is(const std::vector<KnownStop>& stops, StopState state);
-/// Every node was reached, and its CPU, where it has one, has stopped or was told while it ran.
+/// Every node was reached, and its CPU, if it has one, has stopped or was told while it ran.
 bool all_told(const std::vector<KnownStop>& stops);
 
 /// "14 of 16 stopped; no CPU to stop: waist; not reached: head"

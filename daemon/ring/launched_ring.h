@@ -62,7 +62,7 @@ class LaunchedRing {
   const std::vector<LaunchedDaemon>& all() const { return daemons_; }
   const LaunchedDaemon* first_ended() const;
   void signal(int number) const;
-  /// Ends all: SIGTERM, after `grace`, or where `wait` says so, SIGKILL.
+  /// Ends all: SIGTERM, after `grace`, or if `wait` says so, SIGKILL.
   void end(const Wait& wait, std::chrono::milliseconds grace);
 
  private:
@@ -96,9 +96,9 @@ class PrivateFolder {
 /// goes by the machine's clock, or its process does not answer.
 nlohmann::json ring_clock(const std::string& ring);
 
-/// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty if it goes.
+/// Why nothing goes on if the virtual clock of the ring stands, and what lets it go on; empty if it goes.
 std::string standing_clock(const std::string& ring);
-/// `problem`, of something that has not happened in time, and standing_clock() where it stands.
+/// `problem`, of something that has not happened in time, and standing_clock() if it stands.
 std::string with_standing_clock(const std::string& problem, const std::string& ring);
 
 }  // namespace limb_ring::live

@@ -8,7 +8,7 @@
 
 namespace limb_ring::live {
 
-/// The fault of a whole node, as noted in the ring's folder: its id is its word. A note stays, out of date, where
+/// The fault of a whole node, as noted in the ring's folder: its id is its word. A note stays, out of date, if
 /// somebody else has ended its fault: it counts for nothing then.
 std::optional<status::Fault> noted_fault(const std::string& folder, wire::NodeId node);
 

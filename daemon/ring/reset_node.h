@@ -39,7 +39,7 @@ nlohmann::json judged(nlohmann::json answer, const ResetQuery& query, const Rows
 
 /// Resets, and waits until the effect is known: at most for `timeout` and a little more.
 /// @return the daemon's answer to the request `reset`; effect "seen", "none" or "unknown"
-/// @throw HostPortError if the daemon does not answer, or says that it cannot be done; live::NotDone where the node
+/// @throw HostPortError if the daemon does not answer, or says that it cannot be done; live::NotDone if the node
 /// has no CPU
 nlohmann::json reset_node(ResetQuery query);
 
@@ -52,7 +52,7 @@ inline bool may_have_arrived(const Result& result) {
 /// Sends a stop from the node with this id, and waits for its result, at most so long.
 /// @return it was delivered. If it throws, nothing is known of that node.
 using SendStop = std::function<bool(std::uint8_t from, std::chrono::milliseconds timeout)>;
-/// Who should send the stop next, where it was not sent by these.
+/// Who should send the stop next, if it was not sent by these.
 using NextSender =
     std::function<std::optional<std::uint8_t>(const SentStop& stop, const std::set<std::uint8_t>& senders)>;
 
@@ -61,7 +61,7 @@ std::optional<std::uint8_t> next_sender(const SentStop& stop, const std::set<std
 
 /// Has other nodes send a stop that one has sent, one after the other, until all that can be reached were reached: in
 /// an open chain, or a ring that has folded into parts, one node does not reach all.
-/// @param stop its `delivered` is that of all who sent it, where it is of all nodes, else that of the last
+/// @param stop its `delivered` is that of all who sent it, if it is of all nodes, else that of the last
 /// @param from who has sent it
 /// @param deadline nobody is asked after it
 void send_on(SentStop& stop, std::uint8_t from, std::chrono::steady_clock::time_point deadline, const SendStop& send,

@@ -103,7 +103,7 @@ const status::Heard* lately_heard(const Rows& rows, std::uint8_t node);
 /// it, round a fold one of its part. Nothing if the target's daemon does not answer here, or hears no such node.
 std::optional<std::uint8_t> who_reaches(const Rows& rows, std::uint8_t target);
 
-/// The name of a node, or its id where it is none of these.
+/// The name of a node, or its id if it is none of these.
 std::string name_of(const std::vector<Node>& nodes, std::uint8_t id);
 
 /// A counter of a node's daemon that grows only if something goes wrong. (ours)

@@ -73,7 +73,7 @@ struct Holder {
 /// was removed, whoever listens at the node's host port is its daemon, which makes the file again within a second. All
 /// fields are empty if there never was a daemon.
 Holder holder_of(const std::string& folder, std::uint8_t node);
-/// Writes that file where it was removed, so that the daemon can be started again when it is dead.
+/// Writes that file if it was removed, so that the daemon can be started again when it is dead.
 void keep_holder(const std::string& folder, std::uint8_t node, const Holder& holder);
 /// Its daemon is stopped: who asks it something waits.
 inline bool is_frozen(const std::string& folder, std::uint8_t node) { return holder_of(folder, node).frozen; }
@@ -89,7 +89,7 @@ struct HeldNode {
 };
 
 /// Nodes of a ring's folder that are held right now. No daemon: an empty list.
-/// @throw std::system_error if that cannot be known, as where this process has no descriptors left
+/// @throw std::system_error if that cannot be known, such as if this process has no descriptors left
 std::vector<HeldNode> held_nodes(const std::string& folder);
 
 /// Rings of this user of which a node is held right now, by name, sorted; also if no daemon answers.

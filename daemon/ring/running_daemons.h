@@ -36,14 +36,14 @@ class RunningDaemons {
   void require_runs(wire::NodeId node) const;
   HostPort connect(wire::NodeId node) const;
   nlohmann::json ask(wire::NodeId node, const nlohmann::json& request) const;
-  /// The same where the answer comes once the node's CPU has booted: it may take as long as the ring's file says.
+  /// The same if the answer comes once the node's CPU has booted: it may take as long as the ring's file says.
   nlohmann::json ask_for_boot(wire::NodeId node, const nlohmann::json& request) const;
 
   /// One process has all nodes, on a virtual clock.
   bool is_virtual() const { return holder(nodes_.front().id).on_virtual_ring; }
   /// Sends that process a request that concerns the ring as a whole. @pre is_virtual()
   nlohmann::json ask_ring(const nlohmann::json& request) const;
-  /// That process goes on, where somebody has stopped it: no fault does, which is of a node. @pre is_virtual()
+  /// That process goes on, if somebody has stopped it: no fault does, which is of a node. @pre is_virtual()
   void wake_ring() const;
 
   /// On a virtual ring the following four are done to the node in the simulation.
@@ -54,9 +54,9 @@ class RunningDaemons {
   /// It can be asked again when this returns, unless that takes it more than a few seconds.
   void thaw(wire::NodeId node) const;
   /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder. As
-  /// wait_for_hello(); NotDone at once where the daemon ends instead.
+  /// wait_for_hello(); NotDone at once if the daemon ends instead.
   void start(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
-  /// As if its power went off and on; same pid. Then as wait_for_hello(); NotDone at once where the daemon ends
+  /// As if its power went off and on; same pid. Then as wait_for_hello(); NotDone at once if the daemon ends
   /// instead.
   void power_cycle(wire::NodeId node) const;
   /// Returns when the node has said hello. @throw NotDone if it has not within `patience`, or its daemon has ended

@@ -20,7 +20,7 @@ enum class Strike : std::uint8_t {
   none,
   restart,
   kill,
-  freeze,  ///< or thaw, where it is frozen
+  freeze,  ///< or thaw, if it is frozen
   cut,
   mend,
   host,  ///< hosts lose each other, or regroup

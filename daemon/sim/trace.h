@@ -8,7 +8,7 @@
 namespace limb_ring::sim {
 
 /// Everything that leaves a node, every event and every packet a CPU gets, in its order: as a hash,
-/// and as lines of text where somebody wants to read them. The same seed and configuration give the
+/// and as lines of text if somebody wants to read them. The same seed and configuration give the
 /// same trace, on any build.
 ///
 ///   time in ps, node, what, and of a slice: size, its last four bytes, CRC-32 of those before them

@@ -188,7 +188,7 @@ class VirtualRing {
   /// Called for each event and packet as it comes out of a node; may send.
   std::function<void(NodeId, const core::Event&)> on_event = [](NodeId, const core::Event&) {};
   std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
-  /// Called after these, where a node has given something out, or packets wait in it for its CPU.
+  /// Called after these, if a node has given something out, or packets wait in it for its CPU.
   std::function<void(NodeId)> on_given_out = [](NodeId) {};
 
  private:

@@ -17,7 +17,7 @@ namespace limb_ring::study {
 /// joined before time zero and beacons are off. T = (B + 12) bytes on the line, i = 12 bytes.
 enum class Case {
   alone,            ///< one packet, nobody else sends: T + N d
-  simultaneous,     ///< all start at the same instant: N T + d, or T + N d where T < d
+  simultaneous,     ///< all start at the same instant: N T + d, or T + N d if T < d
   adversarial,      ///< each node starts its own just before this one arrives: N (T + d)
   request,          ///< the same, asked for just after a packet of another began to pass: (N + 1) T + N d
   delivery,         ///< adversarial, to the farthest node: (N - 1) (T + d)
@@ -51,7 +51,7 @@ struct CaseRecords {
   std::function<void()> goes_on = [] {};  ///< called every 4096 slices
 };
 
-/// Runs one case. The seed matters where something is random (interrupt_bound, random).
+/// Runs one case. The seed matters if something is random (interrupt_bound, random).
 /// @throw sim::BrokenPromise
 CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, const CaseRecords& records = {});
 

@@ -54,12 +54,12 @@ struct Strike {
     lost,            ///< that slice
     header_damaged,  ///< a bit of its first byte
     data_damaged,    ///< of the one in its middle
-    end_damaged,     ///< of its last one: the CRC's, where it ends a packet
+    end_damaged,     ///< of its last one: the CRC's, if it ends a packet
     doubled,         ///< its packet
     late,            ///< its line holds it back, and what follows it
     restart,         ///< of a node
     freeze,          ///< of a node, for 3 ms
-    cut,             ///< of the line out of a node (of the cable, where the ring folds back), for 3 ms
+    cut,             ///< of the line out of a node (of the cable, if the ring folds back), for 3 ms
     interrupt        ///< no fault: a node sends an INTP to the next one
   } kind = Kind::lost;
   wire::NodeId node{0};  ///< of the last four
@@ -81,7 +81,7 @@ std::vector<Choice> choices_from(const std::string& text);
 
 /// What is explored: a small ring with a few sends.
 struct World {
-  unsigned nodes = 3;  ///< 2 to 6; 3 at least where it folds back
+  unsigned nodes = 3;  ///< 2 to 6; 3 at least if it folds back
   unsigned sends = 2;  ///< asked for at once, by one node after another: DATPs to the node before, and broadcasts
   bool paced = true;   ///< lines of 1 Gbit/s, so that packets leave in slices; else whole, at once
   bool fold_back = false;

@@ -73,7 +73,7 @@ inline Duration interrupt_bound(const Medium& medium) {
   return medium.nodes * (medium.relay_delay + interrupt_time(medium) + wait);
 }
 
-/// The same where INTPs are not embedded: at every node behind a whole DATP instead. (ours)
+/// The same if INTPs are not embedded: at every node behind a whole DATP instead. (ours)
 inline Duration interrupt_bound_between_packets(const Medium& medium) {
   return medium.nodes * (medium.relay_delay + interrupt_time(medium) + packet_time(medium));
 }

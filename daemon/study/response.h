@@ -48,7 +48,7 @@ std::vector<Stream> streams_of(const config::RingConfig& ring);
 ///
 ///   lap    = T + sum of d + what is ahead at each other node + I
 ///   ahead  at a node: one packet of its own, its largest, which starts just before ours arrives;
-///          where the line out is slower than the line in, one packet of every other node
+///          if the line out is slower than the line in, one packet of every other node
 ///   T      of the packet, on the slowest line it passes; on equal lines N (T + d) comes out
 ///   I      96 ns (at 1 Gbit/s) for each INTP that can be under way meanwhile: each overtakes once
 ///

@@ -58,7 +58,7 @@ struct ExpectedLosses {
 std::optional<ExpectedLosses> expected_losses(const config::RingConfig& ring);
 
 /// Seconds, on average, until a line falls silent though it is whole: all signs of life within `timeouts.silence` are
-/// lost. Infinite where the line loses nothing.
+/// lost. Infinite if the line loses nothing.
 double seconds_to_false_silence(const config::Timeouts& timeouts, double loss);
 
 /// The shortest silence, a whole number of `timeouts.idle`, with which a line like this is taken for broken less than

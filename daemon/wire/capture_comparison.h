@@ -12,7 +12,7 @@ namespace limb_ring::capture {
 /// How far two captures of a ring are the same, and where they part.
 struct CaptureComparison {
   std::uint64_t equal = 0;  ///< packets and events that are the same in both, from the start
-  /// What comes next where one differs; of the capture that ends there, nothing.
+  /// What comes next if one differs; of the capture that ends there, nothing.
   std::optional<PcapngReader::Record> first, second;
 
   bool same() const { return !first && !second; }

@@ -20,7 +20,7 @@ struct Filter {
   std::bitset<64> channel;       ///< data packets alone
 
   /// A packet that broke off before its trailer has no known destination, priority and channel:
-  /// it passes where those do not matter, and counts as data.
+  /// it passes if those do not matter, and counts as data.
   bool passes(const PacketView& packet) const;
 
  private:

@@ -47,7 +47,7 @@ enum Option : std::uint16_t {
 };
 constexpr std::uint8_t kNanoseconds = 9;    ///< if_tsresol: 10^-9 s
 constexpr std::uint8_t kPowerOfTwo = 0x80;  ///< with this bit the others say 2^-n s
-constexpr std::uint8_t kMicroseconds = 6;   ///< where a file says nothing
+constexpr std::uint8_t kMicroseconds = 6;   ///< if a file says nothing
 
 constexpr std::uint32_t kInbound = 1, kOutbound = 2, kCrcError = 1u << 24;  ///< epb_flags
 
@@ -60,7 +60,7 @@ struct RingNames {
   std::string ring;
   std::map<wire::NodeId, std::string> nodes;
 
-  /// Its name, or its number where it has none.
+  /// Its name, or its number if it has none.
   std::string of(std::uint8_t node) const;
   /// "left_hip -> left_knee"
   std::string line(std::uint8_t from, std::uint8_t to) const { return of(from) + " -> " + of(to); }

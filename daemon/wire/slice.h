@@ -27,7 +27,7 @@ constexpr std::size_t kFoldWordSize = 3;
 struct Slice {
   SliceKind kind;
   ByteView bytes;
-  std::optional<bool> crc_checked{};  ///< of a whole DATP: it is right or wrong, where somebody has looked already
+  std::optional<bool> crc_checked{};  ///< of a whole DATP: it is right or wrong, if somebody has looked already
 
   /// @pre a whole DATP
   bool crc_good() const { return crc_checked ? *crc_checked : PacketFields{bytes}.crc_good(); }

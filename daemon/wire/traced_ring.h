@@ -27,7 +27,7 @@ std::vector<Trip> sort_into_trips(const std::vector<SeenPacket>& packets);
 /// Shows why a packet was late: takes the packets captured on a ring's lines, and gives the path of each. Knows no IO
 /// and no clock; the times are the capture's, of a live ring or a virtual one. (ours)
 ///
-/// What a packet waited for can only be told where both inputs and outputs were captured. If nodes
+/// What a packet waited for can only be told if both inputs and outputs were captured. If nodes
 /// are on hosts whose clocks differ, their waits are wrong by as much.
 class TracedRing {
  public:

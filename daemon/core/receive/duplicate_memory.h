@@ -64,7 +64,7 @@ class DuplicateMemory {
     });
   }
 
-  /// The verdict on this sequence number, `none` where it is new. @pre meet() was true
+  /// The verdict on this sequence number, `none` if it is new. @pre meet() was true
   Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast, Time now) const {
     const Entry& e = sources_[source].entries[place(code, broadcast)];
     if (e.sequence != code.sequence) return Verdict::none;

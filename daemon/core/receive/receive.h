@@ -86,7 +86,7 @@ class Receive {
   std::size_t waiting(wire::Priority priority) const { return buffers_[priority].size(); }
   /// take() has something.
   bool is_due(Time now) const { return waiting_ != 0 && earliest() <= now; }
-  /// When take() may have something, kNever where all buffers are empty.
+  /// When take() may have something, kNever if all buffers are empty.
   Time next() const { return waiting_ == 0 ? kNever : earliest(); }
 
   void set_cpu_present(bool present) { cpu_present_ = present; }

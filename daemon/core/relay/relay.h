@@ -146,7 +146,7 @@ class Relay {
 
   /// The output now leads to `successor`: nodes between it and this one are bypassed.
   void set_successor(NodeId successor) {
-    if (successor_ == successor) return;  // asked with every slice where the ring folds back
+    if (successor_ == successor) return;  // asked with every slice if the ring folds back
     successor_ = successor;
     bypassed_ = between(settings_.id, successor);
   }

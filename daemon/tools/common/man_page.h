@@ -27,7 +27,7 @@ std::string man_page_end(const std::string& name);
 /// @param help as it is printed: its first line is "NAME: what it is", then lines to be kept as they are
 std::string man_page_of_text(const std::string& name, const std::string& help, const std::string& usage);
 
-/// What is there to be named where a command line wants one: given "NODE" or "--ring", as --help calls the argument
+/// What is there to be named if a command line wants one: given "NODE" or "--ring", as --help calls the argument
 /// or the option; nothing if that is not a name.
 using NamesOf = std::function<std::vector<std::string>(const std::string& wanted)>;
 

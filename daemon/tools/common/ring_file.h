@@ -8,14 +8,14 @@ namespace limb_ring::app {
 /// The ring's YAML file that a command is given: a path, or a ring's name, whose file is NAME.yaml in the user's
 /// configuration ($XDG_CONFIG_HOME/limb_ring, ~/.config/limb_ring), in /etc/limb_ring, or among those that came with
 /// limb_ring; the first that is there.
-/// @return its path; `given` where it holds a '/' or a '.', or is a file
+/// @return its path; `given` if it holds a '/' or a '.', or is a file
 /// @throw config::ConfigError naming the folders, if there is none
 std::string ring_file(const std::string& given);
 
-/// For `-`, standard output where that is free for it.
+/// For `-`, standard output if that is free for it.
 inline constexpr const char* kStandardOutput = "-";
 
-/// For those that write their report to standard output. @return what is wrong where `path` is kStandardOutput, else
+/// For those that write their report to standard output. @return what is wrong if `path` is kStandardOutput, else
 /// empty
 std::string why_no_file(const std::string& path);
 
@@ -30,11 +30,11 @@ std::string write_file(const std::string& path, const std::string& text);
 /// not at all.
 std::string why_not_writable(const std::string& path);
 
-/// Makes the folder, with those above it, where it is not there.
+/// Makes the folder, with those above it, if it is not there.
 /// @return what is wrong: the folder and the system's reason; empty if files can be made in it now
 std::string make_output_folder(const std::string& folder);
 
-/// Whether both are there and are one file: what is to be read from the one would be lost where the other is written.
+/// Whether both are there and are one file: what is to be read from the one would be lost if the other is written.
 bool is_same_file(const std::string& one, const std::string& other);
 
 /// Whether both name one file that is to be written, be it there already or not. Devices (/dev/null) may be shared.

@@ -46,7 +46,7 @@ constexpr const char* kDim = "\033[2m";
 constexpr const char* kChanged = "\033[7m";  ///< light and dark exchanged
 constexpr const char* kPlain = "\033[0m";
 
-/// The word as a shell reads it back, whatever is in it: in quotes where it needs them.
+/// The word as a shell reads it back, whatever is in it: in quotes if it needs them.
 std::string shell_word(const std::string& word);
 
 }  // namespace limb_ring::app

@@ -36,7 +36,7 @@ CLI::App& add_group(CLI::App& app, const std::string& name, const std::string& d
                     const std::string& more = {});
 /// Adds the switch --json.
 void add_json(CLI::App& command, bool& json);
-/// For a command that concerns no ring, or all. @throw UsageError "--ring: WHY; leave it out" where one was named
+/// For a command that concerns no ring, or all. @throw UsageError "--ring: WHY; leave it out" if one was named
 void require_no_ring(const Context& context, const std::string& why);
 
 // One subcommand each, in a file of its name.
@@ -68,8 +68,8 @@ void add_scenario_cause(CLI::App& scenario, Context& context);   ///< below `sce
 void add_hosts(CLI::App& app, Context& context);                 ///< key, launch
 void add_conform(CLI::App& app, Context& context);
 
-/// What a shell may complete: names of the rings that run, where `wanted` is "RING" or "--ring"; of a ring's nodes
-/// where it is "NODE", "TO" and the like. Nothing if it is none of these, or the ring is not there or not clear. No
+/// What a shell may complete: names of the rings that run, if `wanted` is "RING" or "--ring"; of a ring's nodes
+/// if it is "NODE", "TO" and the like. Nothing if it is none of these, or the ring is not there or not clear. No
 /// daemon that is frozen is asked, so nobody waits at the prompt.
 /// @param ring as typed on the command line; empty: the only one running
 std::vector<std::string> names_to_complete(const std::string& wanted, const std::string& ring);

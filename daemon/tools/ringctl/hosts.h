@@ -10,7 +10,7 @@ namespace limb_ring::ringctl {
 
 /// A launch file for `ring.launch machines:=`: a machine tag for each host that has nodes, and host.launch for it.
 /// @param env_loader script on each host that sets up ROS and runs its arguments
-/// @param user whom to log in as, where a host's `ssh` does not say; empty: roslaunch's own choice
+/// @param user whom to log in as, if a host's `ssh` does not say; empty: roslaunch's own choice
 /// @throw std::invalid_argument if the ring has no hosts
 std::string machines_file(const config::RingConfig& ring, const std::string& env_loader, const std::string& user);
 
@@ -26,7 +26,7 @@ std::string usual_env_loader(const std::string& prefix_path);
 /// @return an ExitCode, only if ssh cannot be started
 int run_there(const Elsewhere& where, const std::vector<std::string>& arguments);
 
-/// What is asked of the ringctl there: these, and the ring's name where they do not say it.
+/// What is asked of the ringctl there: these, and the ring's name if they do not say it.
 std::vector<std::string> arguments_there(const std::string& ring, std::vector<std::string> arguments);
 
 /// What the shell there is told.

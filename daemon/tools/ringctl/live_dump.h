@@ -41,7 +41,7 @@ class CaptureSink {
 std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const app::PacketTextOptions& options);
 /// Lines of JSON on standard output.
 std::unique_ptr<CaptureSink> json_sink(const capture::RingNames& names);
-/// pcapng in a file, or on standard output where the path is "-". @throw UsageError
+/// pcapng in a file, or on standard output if the path is "-". @throw UsageError
 std::unique_ptr<CaptureSink> file_sink(const capture::RingNames& names, const std::string& path);
 
 /// Counts of the packets that a dump has shown, and of those that it has not.

@@ -10,7 +10,7 @@ namespace limb_ring::ringctl {
 
 /// Plays a scenario on live daemons, a ring of their own in a private folder; all have ended when this returns or
 /// throws. @param transport unix, shm or udp, or empty: as the ring's file says
-/// @throw Interrupted; NotDone where a program is missing; UsageError where a path is too long
+/// @throw Interrupted; NotDone if a program is missing; UsageError if a path is too long
 scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed, const std::string& transport,
                                 process::SignalWait& signals);
 
@@ -24,7 +24,7 @@ struct VirtualPlay {
 };
 
 /// @throw UsageError if the log cannot be written, it cannot be played so, or a program of the ring's file is
-/// missing; NotDone where scenario_cpu is
+/// missing; NotDone if scenario_cpu is
 void require_virtual(const scenario::Scenario& scenario, const VirtualPlay& play);
 
 /// Plays it, its sockets in a private folder; all programs have ended when this returns or throws.

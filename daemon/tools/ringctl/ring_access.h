@@ -56,7 +56,7 @@ struct RingDescription {
 class RingAccess {
  public:
   /// Asks `first` (id or name; may be empty), then one daemon after the other that is not frozen, how the ring is
-  /// configured; if one keeps us waiting, all at the same time. @throw NoRing if none answers, AllFrozen where
+  /// configured; if one keeps us waiting, all at the same time. @throw NoRing if none answers, AllFrozen if
   /// none could
   static RingAccess open(const std::string& ring, const std::string& first = {}, Deadline deadline = kNoDeadline);
   /// As open(). If none answers, because nodes were killed or frozen on purpose, the nodes of this host by what
@@ -98,7 +98,7 @@ std::string named_ring(const std::string& given);
 
 /// The ring that a command is for: the one given, else the environment's LIMB_RING_RING, else the only one
 /// running, else the only one that is dead because its daemons were killed on purpose.
-/// @throw NoRing if there is none; UsageError listing them where several run.
+/// @throw NoRing if there is none; UsageError listing them if several run.
 std::string choose_ring(const std::string& given);
 
 /// The same for a command that takes the name as its argument RING, too; each may be empty.
@@ -124,8 +124,8 @@ constexpr std::chrono::milliseconds kAnswerTime{2000};
 /// How long it may take to answer a request that sends an interrupt: the answer comes when the interrupt has ended.
 constexpr std::chrono::milliseconds kInterruptTime{10'000};
 
-/// Asks a daemon, with progress on standard error where it takes long.
-/// @throw NotDone with what the daemon says is wrong; HostPortError where it does not answer
+/// Asks a daemon, with progress on standard error if it takes long.
+/// @throw NotDone with what the daemon says is wrong; HostPortError if it does not answer
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout);
 /// The same, with `tick` called now and then while it waits; it may throw.
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout,

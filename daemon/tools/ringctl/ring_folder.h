@@ -35,10 +35,10 @@ void terminate_daemons(const std::string& folder);
 /// Waits for the end of all daemons that run in a ring's folder, 3 s at most. @return true if all have ended
 bool wait_until_gone(const std::string& folder, Progress& progress);
 
-/// Removes the folder of a ring that has ended; not where a daemon lives, or has recorded what may tell why.
+/// Removes the folder of a ring that has ended; not if a daemon lives, or has recorded what may tell why.
 void tidy_folder(const std::string& ring);
 
-/// ": Permission denied", ": belongs to user 1001 ..." where that folder is not this user's alone; empty if it is,
+/// ": Permission denied", ": belongs to user 1001 ..." if that folder is not this user's alone; empty if it is,
 /// or is not there.
 std::string why_unreadable(const std::string& folder);
 

@@ -26,7 +26,7 @@ class Screen {
   struct Size {
     unsigned lines, columns;
   };
-  static Size size();  ///< 24 x 80 where the terminal does not say
+  static Size size();  ///< 24 x 80 if the terminal does not say
   /// Shows `text` from the top left corner, as much of it as fits.
   void draw(const std::string& text) const;
   /// A key that was pressed; 0: none.
@@ -46,7 +46,7 @@ class Screen {
 /// then every two seconds.
 class Progress {
  public:
-  /// @param ring where its virtual clock stands, that is said instead: nothing else comes. Empty: no such ring
+  /// @param ring if its virtual clock stands, that is said instead: nothing else comes. Empty: no such ring
   explicit Progress(std::string ring = {});
   /// @param what empty: nothing but that the clock stands
   void tell(const std::string& what = {});
@@ -58,7 +58,7 @@ class Progress {
 
 /// Does `work`, which tells nothing, and tells meanwhile `what` it is, or where the ring's virtual clock stands.
 /// @param ring, what as in Progress
-/// @throw what `work` throws; NotKnown instead of HostPortTimeout where the clock stands
+/// @throw what `work` throws; NotKnown instead of HostPortTimeout if the clock stands
 void while_telling(const std::string& ring, const std::function<void()>& work, const std::string& what = {});
 
 /// A line on standard error, for who has called ringctl: "ringctl: WHAT".

@@ -44,7 +44,7 @@ class RefusalCounters {
   ask::Rows before_;
 };
 
-/// Prints one result, or how many ended how, or all as JSON. @return exit_code(); kNotDone where not all were made, or
+/// Prints one result, or how many ended how, or all as JSON. @return exit_code(); kNotDone if not all were made, or
 /// have ended.
 /// @throw HostPortError if the daemon has gone meanwhile
 int report(const Sends& sends, bool as_json);
@@ -54,7 +54,7 @@ int report(const Sends& sends, bool as_json);
 Sends send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
                        const std::function<std::uint32_t()>& send, std::chrono::nanoseconds interval = {});
 
-/// kDone where all were delivered, kUnknown where the others may have been, else kNotDone.
+/// kDone if all were delivered, kUnknown if the others may have been, else kNotDone.
 int exit_code(const std::vector<Result>& results);
 
 /// `round_trip_us` is that of the last of its `tries`, as in Result.

@@ -26,7 +26,7 @@ Rows status_rows(const RingAccess& ring, Deadline deadline = kNoDeadline);
 
 /// @name What a row means, in the words that status, top and wait share
 ///@{
-/// The name of the node with that id, or the id where it has no row.
+/// The name of the node with that id, or the id if it has no row.
 std::string node_name(const Rows& rows, std::uint8_t id);
 /// "left_hip -> left_knee", by their ids.
 std::string line_name(const Rows& rows, std::uint8_t before, std::uint8_t behind);

@@ -20,7 +20,7 @@ void announce(const RingPlan& plan, RingWatch& watch);
 /// A second request to end kills at once.
 void end(live::LaunchedRing& daemons, process::SignalWait& signals);
 
-/// Saves recordings when something goes wrong, where the ring's file says so; ends with the ring.
+/// Saves recordings when something goes wrong, if the ring's file says so; ends with the ring.
 /// @param lifetime its own: it writes into keep.log in the ring's folder
 std::optional<process::Program> start_keeper(const RingPlan& plan, process::Lifetime lifetime);
 

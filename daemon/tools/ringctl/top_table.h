@@ -17,7 +17,7 @@ struct StatusSample {
   nlohmann::json clock = nullptr;  ///< ring_clock()
 };
 
-/// What happened between two samples, a row for each node, rates where both have it:
+/// What happened between two samples, a row for each node, rates if both have it:
 /// {"id", "name", "state", "to", "packets_per_second", "bytes_per_second", "load", "round_trip_us", "errors", "cpu",
 /// "changed"}. Rates are those of the line out of the node, its bytes are counted where they come in; the load is
 /// their share of the line's rate, null if the line has none. "changed" names those of state, cpu and errors that

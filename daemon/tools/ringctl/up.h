@@ -69,7 +69,7 @@ class UpLock {
   /// the other one
   UpLock(const std::string& ring, const std::string& host);
   /// If the ring has not come up, and its folder was made for it, that goes, too: a failed start leaves nothing. It
-  /// stays where a daemon lives, or has recorded what may tell why.
+  /// stays if a daemon lives, or has recorded what may tell why.
   ~UpLock();
   UpLock(const UpLock&) = delete;
   UpLock& operator=(const UpLock&) = delete;

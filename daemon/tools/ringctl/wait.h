@@ -32,7 +32,7 @@ std::vector<std::string> state_words();
 std::string wait_for(const std::string& ring, std::chrono::milliseconds timeout, const Lack& lack);
 
 /// What a node still lacks, by its status row, before the ring of so many nodes counts as whole: it has to be up in a
-/// ring of all of them, its second line, if it has one, to be connected, and its CPU to run where that is a child of
+/// ring of all of them, its second line, if it has one, to be connected, and its CPU to run if that is a child of
 /// ringd. Empty if nothing.
 std::string lack_of_node(const status::NodeRow& row, std::size_t nodes);
 /// The same for one host's part of a ring, while other hosts may still be missing: the node has to be in a ring of at
