@@ -236,6 +236,7 @@ class Node : private BehindFold {
   void unit_timers(Unit& unit, Time now);
   Time unit_deadline(const Unit& unit) const;
   void destination_restarted(int source, Time now);
+  void end_refused_head(std::deque<Send>& queue, Outcome outcome, Time at);
   void end_unconfirmed(Time now);
 
   // -- packet_manager.cpp: protocol.md sections 2.4, 2.5, 5.2, 6.4

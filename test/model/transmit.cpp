@@ -126,15 +126,21 @@ void Node::cancel_all(Time now) {
   }
 }
 
+/// A head that waits after a refusal ends: what it has held back is due from now on. (protocol.md section 4.4)
+void Node::end_refused_head(std::deque<Send>& queue, Outcome outcome, Time at) {
+  Send send = queue.front();
+  queue.pop_front();
+  if (!queue.empty()) queue.front().due = std::max(queue.front().due, at);
+  end(send, outcome, Reject::none, Duration{0}, at);
+}
+
 /// A break is known. (protocol.md section 8.4)
 void Node::end_unconfirmed(Time now) {
   for (Unit* unit : {&data_, &interrupts_}) {
     if (unit->flight) end_flight(*unit, Outcome::unconfirmed, Duration{0}, now, true);
     for (auto& queue : unit->queues) {
       if (queue.empty() || !queue.front().repeated) continue;
-      Send send = queue.front();
-      queue.pop_front();
-      end(send, Outcome::unconfirmed, Reject::none, Duration{0}, now);
+      end_refused_head(queue, Outcome::unconfirmed, now);
     }
   }
 }
@@ -276,9 +282,7 @@ void Node::destination_restarted(int source, Time now) {
   for (Unit* unit : {&data_, &interrupts_}) {
     for (auto& queue : unit->queues) {
       if (queue.empty() || queue.front().destination != source || !queue.front().repeated) continue;
-      Send send = queue.front();
-      queue.pop_front();
-      end(send, Outcome::lost, Reject::none, Duration{0}, now);
+      end_refused_head(queue, Outcome::lost, now);
     }
     if (!unit->flight || unit->flight->send.control()) continue;
     const int to = unit->flight->send.destination;
