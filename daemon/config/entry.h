@@ -30,11 +30,12 @@ std::optional<std::string> as_read(const std::string& path);
 
 /// One configuration while it is being read.
 struct Document {
-  std::string name;                           ///< the file, for errors
-  std::map<std::string, std::uint8_t> nodes;  ///< every node's id, by name and by id in digits
-  UrdfJoints urdf;                            ///< what it names as `urdf`
-  std::map<std::string, std::size_t> hosts;   ///< every host's place in the file, by name
-  std::vector<ReadFile> files;                ///< that were read beside it
+  std::string name;                                                 ///< the file, for errors
+  std::map<std::string, std::uint8_t> nodes;                        ///< every node's id, by name and by id in digits
+  UrdfJoints urdf;                                                  ///< what it names as `urdf`
+  std::map<std::string, std::size_t> hosts;                         ///< every host's place in the file, by name
+  std::map<std::string, std::vector<std::uint8_t>> nodes_of_hosts;  ///< in a scenario
+  std::vector<ReadFile> files;                                      ///< that were read beside it
   /// Not all nodes, or hosts, could be read: a reference to a missing one is not an error then.
   bool nodes_unsure = false, hosts_unsure = false;
   bool urdf_unsure = false;  ///< it could not be read

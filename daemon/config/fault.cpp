@@ -3,10 +3,11 @@
 namespace limb_ring::fault {
 
 std::optional<Node> after(Name fault, Node node) {
+  if (fault == Name::step_clock) return node;  // it is the host's, whatever runs there
   if (fault == Name::start || node == Node::dead)
     return fault == Name::start && node == Node::dead ? std::optional(Node::runs) : std::nullopt;
   if (fault == Name::kill) return Node::dead;
-  if (fault == Name::freeze) return Node::frozen;
+  if (freezes(fault)) return Node::frozen;
   if (fault == Name::power_cycle && node == Node::frozen) return std::nullopt;
   return Node::runs;  // thaw, power_cycle
 }

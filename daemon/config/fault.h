@@ -35,6 +35,8 @@ enum class Name {
   power_cycle,
   freeze,
   thaw,
+  suspend,
+  step_clock,
   // of a CPU; its controller goes on
   hang,
   resume,
@@ -60,7 +62,10 @@ enum Key : unsigned {
   kJitter = 1u << 6,
   kRate = 1u << 7,
   kEvery = 1u << 8,
-  kSeed = 1u << 9
+  kSeed = 1u << 9,
+  kForward = 1u << 10,
+  kBack = 1u << 11,
+  kMonotonic = 1u << 12
 };
 
 /// What a fault does to a CPU, be it a process or a model of one. Code that carries it out has a case for each and no
@@ -119,7 +124,13 @@ constexpr Word kWords[] = {
     {Name::power_cycle, "power_cycle", Of::node, 0, "switches the power of the node off, and at once on again"},
     {Name::freeze, "freeze", Of::node, kFor, "the node stops running and is bypassed", 0, ToCpu::nothing,
      bit_of(Name::thaw) | kPowerOff},
-    {Name::thaw, "thaw", Of::node, 0, "a frozen node continues where it stopped"},
+    {Name::thaw, "thaw", Of::node, 0, "a frozen or suspended node continues where it stopped"},
+    {Name::suspend, "suspend", Of::node, kFor,
+     "as freeze, but the node's monotonic clock stands too, as at the suspend of a host; name the host, or its nodes",
+     0, ToCpu::nothing, bit_of(Name::thaw) | kPowerOff},
+    {Name::step_clock, "step_clock", Of::node, kForward | kBack | kMonotonic,
+     "sets the wall clock of the node, where its next boot number comes from, or makes its monotonic clock skip a time",
+     kForward | kBack | kMonotonic},
     {Name::hang, "hang", Of::cpu, kFor, "the CPU neither reads nor sends", 0, ToCpu::stop, kCured, true},
     {Name::resume, "resume", Of::cpu, 0, "ends hang, slow, not_reading, babble and mute of a CPU", 0, ToCpu::cure},
     {Name::reset, "reset", Of::cpu, 0, "restarts the CPU, as its reset pin does", 0, ToCpu::restart},
@@ -143,6 +154,8 @@ enum class Node : std::uint8_t { runs, frozen, dead };
 /// What a fault of nodes makes of one; nothing if it cannot be done there: in a scenario it then changes nothing,
 /// and else it is refused. A power cycle in a scenario is a kill of all its nodes, then a start.
 std::optional<Node> after(Name fault, Node node);
+/// It makes a node stand still that runs.
+inline bool freezes(Name fault) { return fault == Name::freeze || fault == Name::suspend; }
 /// It hits the process of a CPU, so there has to be one.
 inline bool hits_process(Name fault) {
   return word_of(fault).to_cpu == ToCpu::stop || word_of(fault).to_cpu == ToCpu::crash;
@@ -171,10 +184,12 @@ struct Fault {
   NodeId of{0};                     ///< retries count for it, hellos and beacons do not
 
   nanoseconds delay{0};
-  nanoseconds jitter{0};   ///< at random from 0 to this, on top of `delay`
-  std::uint64_t rate = 0;  ///< bit/s
-  nanoseconds every{0};    ///< a period: of flap, slow, babble
-  std::uint64_t seed = 0;  ///< of its random choices; 0: drawn from the seed of the line
+  nanoseconds jitter{0};            ///< at random from 0 to this, on top of `delay`
+  std::uint64_t rate = 0;           ///< bit/s
+  nanoseconds every{0};             ///< a period: of flap, slow, babble
+  std::uint64_t seed = 0;           ///< of its random choices; 0: drawn from the seed of the line
+  nanoseconds forward{0}, back{0};  ///< by so much a wall clock is set
+  nanoseconds monotonic{0};         ///< so much a monotonic clock skips
 };
 
 }  // namespace limb_ring::fault

@@ -97,6 +97,15 @@ const Row kRows[] = {
     {{kSeed, "seed", "a whole number, 1 or more", "of the random choices; by default one is drawn and printed"},
      read_seed,
      write_count<&Fault::seed>},
+    {{kForward, "forward", kTime, "sets the wall clock forward by this time"},
+     read_time<&Fault::forward>,
+     write_time<&Fault::forward>},
+    {{kBack, "back", kTime, "sets the wall clock back by this time"},
+     read_time<&Fault::back>,
+     write_time<&Fault::back>},
+    {{kMonotonic, "monotonic", kTime, "the monotonic clock skips this time: all deadlines within it are due at once"},
+     read_time<&Fault::monotonic>,
+     write_time<&Fault::monotonic>},
 };
 constexpr const char* kOf = "of";
 
@@ -130,6 +139,16 @@ std::size_t place_of(const std::string& name, const RingNodes& nodes) {
 bool is_node(const std::string& name, const RingNodes& nodes) {
   return std::any_of(nodes.begin(), nodes.end(),
                      [&](const NamedNode& node) { return node.name == name || node.number == name; });
+}
+
+/// One of them, or all of a host. @throw ParseError if nothing is called so
+std::vector<NodeId> nodes_called(const std::string& name, const RingNodes& nodes) {
+  std::vector<NodeId> called;
+  if (!is_node(name, nodes))
+    for (const NamedNode& node : nodes)
+      if (node.host == name) called.push_back(node.id);
+  if (called.empty()) called.push_back(nodes[place_of(name, nodes)].id);
+  return called;
 }
 
 /// The first key of the fault that takes such a value; empty if none does.
@@ -177,9 +196,15 @@ MissingKey::MissingKey(std::string word, std::vector<std::string> any_of, const 
       fault(std::move(word)),
       keys(std::move(any_of)) {}
 
+std::string host_name(const config::RingConfig& ring, const config::NodeConfig& node) {
+  const config::HostConfig* host = ring.host_of(node);
+  return host == nullptr ? "" : host->name;
+}
+
 RingNodes nodes_by_id(const config::RingConfig& ring) {
   RingNodes nodes;
-  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), NodeId{node.id}});
+  for (const auto& node : ring.nodes)
+    nodes.push_back({node.name, std::to_string(node.id), NodeId{node.id}, host_name(ring, node)});
   return nodes;
 }
 
@@ -223,12 +248,12 @@ void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNo
     for (const NamedNode& node : nodes) fault.nodes.push_back(node.id);
     return;
   }
-  for (const std::string& name : names) {
-    const NamedNode& node = nodes[place_of(name, nodes)];
-    if (std::find(fault.nodes.begin(), fault.nodes.end(), node.id) != fault.nodes.end())
-      throw ParseError(quoted(node.name, "is named twice"), "each node once");
-    fault.nodes.push_back(node.id);
-  }
+  for (const std::string& name : names)
+    for (const NodeId id : nodes_called(name, nodes)) {
+      if (std::find(fault.nodes.begin(), fault.nodes.end(), id) != fault.nodes.end())
+        throw ParseError(quoted(name_of(id, nodes), "is named twice"), "each node once");
+      fault.nodes.push_back(id);
+    }
 }
 
 void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes) {

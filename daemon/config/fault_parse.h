@@ -8,7 +8,8 @@
 
 namespace limb_ring::config {
 struct RingConfig;
-}
+struct NodeConfig;
+}  // namespace limb_ring::config
 
 namespace limb_ring::fault {
 
@@ -17,9 +18,12 @@ struct NamedNode {
   std::string name;
   std::string number;  ///< its id in digits
   NodeId id{0};
+  std::string host = {};  ///< its name, which stands for all nodes of it; empty: nobody has said
 };
 /// All nodes of a ring, in ring order.
 using RingNodes = std::vector<NamedNode>;
+/// Empty where the file gives no hosts.
+std::string host_name(const config::RingConfig& ring, const config::NodeConfig& node);
 /// Those of a configured ring; a Fault names them by their configured ids.
 RingNodes nodes_by_id(const config::RingConfig& ring);
 
@@ -76,7 +80,7 @@ std::vector<KeyWord> keys_of(const Word& word);
 std::vector<KeyWord> needed_keys_of(const Word& word);
 /// One `key=value` into the fault. @throw ParseError
 void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes);
-/// Its nodes: one or several, or `all`. @throw ParseError
+/// Its nodes: one or several, by their names or their host's, or `all`. @throw ParseError
 void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes);
 /// Its line: from a node to the next one in the ring, or, for the second line, to the one before it. @throw ParseError
 void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes);

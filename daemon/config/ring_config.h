@@ -226,6 +226,7 @@ struct VirtualClockConfig {
   milliseconds boot_time{20};  ///< from a CPU's start to its first turn, by the ring's clock
   milliseconds stall{5000};    ///< real time: who takes longer over a turn is stuck
   std::uint32_t seed = 1;      ///< of the CPUs' jitter
+  std::uint32_t order = 0;     ///< seed of who acts first in one instant; 0: in the order of the nodes, side by side
 };
 
 /// The flight recorder of each node (ours).

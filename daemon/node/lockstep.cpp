@@ -37,8 +37,11 @@ double seconds(core::Time time) { return std::chrono::duration<double>(time.time
 Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config)
     : ring_(ring),
       config_(config),
+      order_(config.virtual_clock.order),
       boots_(ring, config, [this](std::uint8_t node) { return frozen_.count(node) + hung_.count(node) != 0; }) {
   for (const config::NodeConfig& node : config.nodes) boots_.expect_bridge(node.id);
+  if (config.virtual_clock.order != 0)
+    spdlog::info("programs that act in one instant do so in an order drawn by seed {}", config.virtual_clock.order);
 }
 
 nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch()); }
@@ -239,17 +242,25 @@ void Lockstep::gets_restless(std::uint8_t node, Program& program) {
   on_stuck(node, name, true);
 }
 
-bool Lockstep::give_turns() {
-  std::optional<std::uint8_t> given;
+void Lockstep::find_due() {
+  due_.clear();
+  std::optional<std::uint8_t> found;
   for (Entry& entry : programs_) {
     auto& [key, program] = entry;
     const host::Session& session = *program.session;
-    if (given == key.first || is_away(entry) || !session.open() || session.turn().is_on()) continue;
+    if (found == key.first || is_away(entry) || !session.open() || session.turn().is_on()) continue;
     if (next_turn(program) > now()) continue;
-    begin_turn(key.first, program);
-    given = key.first;
+    due_.push_back(&entry);
+    found = key.first;
   }
-  return given.has_value();
+}
+
+// Those that have no turn yet are still due when it is over.
+bool Lockstep::give_turns() {
+  find_due();
+  if (config_.virtual_clock.order != 0 && due_.size() > 1) due_ = {due_[order_() % due_.size()]};
+  for (Entry* entry : due_) begin_turn(entry->first.first, entry->second);
+  return !due_.empty();
 }
 
 core::Time Lockstep::next_wake() const {

@@ -6,8 +6,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <random>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "config/ring_config.h"
 #include "node/cpu_status.h"
@@ -74,8 +76,9 @@ class Boots {
 };
 
 /// The programs that run in lockstep with the ring's clock, and which of them may act. What they do in one instant is
-/// ordered by node. Time goes on when all wait. A CPU that boots or ends stops the clock at a fixed instant, so that a
-/// run does not depend on how long it really takes.
+/// ordered by node, or in the order that a seed draws (`order` of the ring's `virtual`). Time goes on when all wait. A
+/// CPU that boots or ends stops the clock at a fixed instant, so that a run does not depend on how long it really
+/// takes.
 class Lockstep final : public host::TurnKeeper {
  public:
   /// All outlive this. No CPU attaches before its boot_time is over.
@@ -116,7 +119,8 @@ class Lockstep final : public host::TurnKeeper {
   /// long counts as stuck from then on.
   void await_messages();
   /// Gives a turn to programs that have messages, or whose wait is over: one per node at a time. Different nodes may
-  /// act side by side, as they see each other's actions only later. @return false if there is none
+  /// act side by side, as they see each other's actions only later; with an `order`, only one that it draws does.
+  /// @return false if there is none
   bool give_turns();
   /// When the next program wants to wake, so how far time may go on; kNever: no limit.
   core::Time next_wake() const;
@@ -158,6 +162,7 @@ class Lockstep final : public host::TurnKeeper {
   void goes_on(std::uint8_t node);
   std::chrono::milliseconds patience_with(std::uint8_t node) const;
   Entry* acting();
+  void find_due();
   bool await_message_of(Entry& entry);
   void gets_stuck(std::uint8_t node, Program& program);
   void look_who_sleeps();
@@ -170,6 +175,8 @@ class Lockstep final : public host::TurnKeeper {
   sim::VirtualRing& ring_;
   const config::RingConfig& config_;
   std::map<Key, Program> programs_;
+  std::vector<Entry*> due_;  ///< for a turn
+  std::mt19937_64 order_;
   std::set<std::uint8_t> frozen_;
   std::set<std::uint8_t> hung_;  ///< nodes whose CPU was stopped
   Boots boots_;

@@ -106,11 +106,7 @@ BootRecord::BootRecord(const std::string& directory, std::uint8_t id) {
 }
 
 std::uint64_t BootRecord::first(std::uint64_t now_ns) const {
-  if (last_ == 0) return now_ns;
-  const std::uint64_t next = last_ + 1;
-  if (now_ns <= next) return next;
-  constexpr std::uint64_t kBits = 3;
-  return (now_ns | kBits) + 1 + wire::incarnation_of(next);
+  return last_ == 0 ? now_ns : wire::next_boot(last_, now_ns);
 }
 
 void BootRecord::write(std::uint64_t boot) {

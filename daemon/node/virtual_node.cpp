@@ -25,7 +25,7 @@ VirtualNode::VirtualNode(const VirtualWorld& world, wire::NodeId id, runtime::Dr
       listener_(listener),
       first_(world, id, Line::first),
       second_(world, id, Line::second),
-      started_(world.ring.now()) {}
+      started_(world.ring.time_of(id)) {}
 
 LineEnds VirtualNode::ends(Line line) const {
   const auto number = [](std::optional<wire::NodeId> node) {
@@ -44,8 +44,7 @@ void VirtualNode::cpu_reset(core::Owner owner) {
 
 void VirtualNode::on_event(const core::Event& event) {
   if (const auto* change = std::get_if<core::StateChanged>(&event.what))
-    if (change->after == core::NodeState::open_chain || change->after == core::NodeState::folded)
-      broken_since_ = world_.ring.now();
+    if (change->after == core::NodeState::open_chain || change->after == core::NodeState::folded) broken_since_ = now();
   if (!closed_) listener_.on_event(event);
 }
 
@@ -87,7 +86,7 @@ void VirtualNode::tell_change(Line line, const LineEnds& before, const LineEnds&
   const event_loop::NodeClock::Time now = clock_.now();
   if (before.from && before.from != after.from) {
     if (tap_ != nullptr) tap_->on_input_gap(now);
-    if (line == Line::first) input_lost_at_ = world_.ring.now();
+    if (line == Line::first) input_lost_at_ = this->now();
     if (!after.from) tell({line, true, LinkChange::Is::lost});
   }
   if (before.to && before.to != after.to) {
@@ -121,6 +120,8 @@ const std::string& NodeFaults::name_of(NodeId node) const {
 }
 
 std::string NodeFaults::why_not(Name what, NodeId node) const {
+  if (what == Name::step_clock && ring_.is_guest(node))
+    return "node " + name_of(node) + " is foreign: only its own code knows its clocks";
   const State now = state(node);
   if (fault::after(what, now)) return "";
   const std::string name = "node " + name_of(node);
@@ -140,7 +141,7 @@ std::string NodeFaults::begin(const Fault& fault) {
     const std::string problem = why_not(fault.name, node);
     if (!problem.empty()) return problem;
   }
-  const std::string problem = fault.name == Name::kill || fault.name == Name::freeze ? note(fault) : "";
+  const std::string problem = fault.name == Name::kill || fault::freezes(fault.name) ? note(fault) : "";
   if (!problem.empty()) return problem;
   spdlog::warn("fault on purpose: {}", fault::to_words(fault, nodes_));
   return carry_out(fault);
@@ -148,10 +149,11 @@ std::string NodeFaults::begin(const Fault& fault) {
 
 std::string NodeFaults::carry_out(const Fault& fault) {
   if (fault.name == Name::power_cycle) return power_cycle(fault);
+  if (fault.name == Name::step_clock) return sim::step_clocks(ring_, fault), "";
   std::string problem;
   for (const NodeId node : fault.nodes) {
     if (fault.name == Name::kill) kill(node);
-    if (fault.name == Name::freeze) freeze(node, fault);
+    if (fault::freezes(fault.name)) freeze(node, fault);
     if (fault.name == Name::thaw) thaw(node);
     if (fault.name == Name::start && problem.empty()) problem = start(node);
   }
@@ -188,7 +190,7 @@ std::string NodeFaults::start(NodeId node) {
 }
 
 void NodeFaults::freeze(NodeId node, const Fault& fault) {
-  if (!is_frozen(node)) power_.freeze(node);
+  if (!is_frozen(node)) power_.freeze(node, fault.name == Name::suspend);
   Node& frozen = states_[node];
   frozen.state = State::frozen;
   const unsigned nth = ++frozen.freezes;

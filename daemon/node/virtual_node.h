@@ -52,8 +52,10 @@ class VirtualNode final : public runtime::NodeDriver {
   void set_cpu_present(bool present) override { world_.ring.set_cpu_present(id_, present); }
   void cpu_reset(core::Owner owner) override;
   VirtualClock& clock() override { return clock_; }
-  core::Time now() const override { return world_.ring.now(); }
-  event_loop::NodeClock::Time steady(core::Time when) const override { return VirtualClock::at(when); }
+  core::Time now() const override { return world_.ring.time_of(id_); }
+  event_loop::NodeClock::Time steady(core::Time when) const override {
+    return VirtualClock::at(world_.ring.in_ring(id_, when));
+  }
 
   /// The node acts before time goes on.
   void pump() override { world_.ring.node(id_); }
@@ -116,12 +118,14 @@ class NodePower {
   /// A dead node comes up. @return why not; empty: it does
   virtual std::string on(wire::NodeId node) = 0;
   /// The node stands still, and is bypassed; later it goes on where it stood.
-  virtual void freeze(wire::NodeId node) = 0;
+  /// @param clock_stands its controller's clock stands, too
+  virtual void freeze(wire::NodeId node, bool clock_stands) = 0;
   virtual void thaw(wire::NodeId node) = 0;
 };
 
-/// Faults of whole nodes of a virtual ring: kill, start, power_cycle, freeze, thaw. What holds is noted in the ring's
-/// folder, as on a live ring (io/node_notes.h), for all who do not get an answer from the node. (ours)
+/// Faults of whole nodes of a virtual ring: kill, start, power_cycle, freeze, suspend, thaw, step_clock. What holds is
+/// noted in the ring's folder, as on a live ring (io/node_notes.h), for all who do not get an answer from the node.
+/// (ours)
 class NodeFaults {
  public:
   /// The notes of an earlier ring are removed. @param ring, power outlive this

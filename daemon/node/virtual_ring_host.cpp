@@ -139,6 +139,7 @@ sim::VirtualRingOptions options_of(const config::RingConfig& ring) {
   sim::VirtualRingOptions options;
   options.order = setup::order_of(ring);
   options.keep_logs = false;
+  options.arrivals_seed = ring.virtual_clock.order;
   options.adjust = [&ring](core::Settings& settings) { settings = settings_of(ring, settings); };
   return options;
 }
@@ -310,9 +311,9 @@ std::string VirtualRingHost::on(wire::NodeId id) {
   return "";
 }
 
-void VirtualRingHost::freeze(wire::NodeId id) {
+void VirtualRingHost::freeze(wire::NodeId id, bool clock_stands) {
   if (LibraryNode* foreign = library(id)) return foreign->freeze();
-  ring_.freeze(id);
+  ring_.freeze(id, clock_stands);
   drivers_[id]->clock().freeze();
   nodes_.at(id)->freeze();
   lockstep_.node_frozen(id);

@@ -128,7 +128,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   runtime::NodeBase base_of(const config::NodeConfig& node);
   void off(wire::NodeId node) override;
   std::string on(wire::NodeId node) override;
-  void freeze(wire::NodeId node) override;
+  void freeze(wire::NodeId node, bool clock_stands) override;
   void thaw(wire::NodeId node) override;
   void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;

@@ -17,7 +17,6 @@ using nlohmann::json;
 namespace {
 
 const char* const kKill = fault::word_of(Name::kill).word;
-const char* const kFreeze = fault::word_of(Name::freeze).word;
 
 constexpr std::chrono::milliseconds kEndTick{50};  ///< how soon somebody who asks to end is heard
 
@@ -63,8 +62,11 @@ void require_all(const std::vector<Problem>& problems) {
 
 fault::ParseError no_id(const std::string& id) {
   return {"no fault can have the id '" + fault::shown(id) + "'",
-          "NODE.NUMBER, NODE.kill and NODE.freeze, as the list of faults shows"};
+          "NODE.NUMBER, NODE.kill, NODE.freeze and NODE.suspend, as the list of faults shows"};
 }
+
+/// Of a whole node, and lasts.
+bool is_noted(Name fault) { return fault == Name::kill || fault::freezes(fault); }
 
 Fault for_one(Fault fault, wire::NodeId node) {
   fault.nodes = {node};
@@ -77,6 +79,10 @@ Fault for_one(Fault fault, wire::NodeId node) {
 
 std::vector<Begun> LiveFaults::begin(const Fault& fault, const Wait& given) const {
   const Wait wait = given ? given : Wait(sleeps);
+  if (fault.name == Name::step_clock && !daemons_.is_virtual())
+    throw NotDone(
+        "step_clock: live, the clocks are those of the machine; use 'ringctl up --clock virtual', or a "
+        "scenario under the virtual clock");
   if (fault::word_of(fault.name).of == Of::node && daemons_.is_virtual()) return begin_on_virtual_ring(fault, wait);
   std::vector<Begun> begun(fault.nodes.size());
   require_all(at_the_same_time(fault.nodes, [&](std::size_t i) { begun[i] = begin_at(fault, fault.nodes[i], wait); }));
@@ -88,12 +94,12 @@ std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault, const W
   if (fault.name == Name::thaw) daemons_.wake_ring();
   daemons_.ask_ring({{"do", "fault"}, {"fault", fault::to_words(fault, daemons_.nodes())}});
   const bool comes_up = fault.name == Name::start || fault.name == Name::power_cycle;
-  const bool ends = fault.name == Name::freeze && fault.lasts.count() != 0;
+  const bool ends = fault::freezes(fault.name) && fault.lasts.count() != 0;
   require_all(at_the_same_time(fault.nodes, [&](std::size_t i) {
     if (comes_up) daemons_.wait_for_hello(fault.nodes[i]);
     if (ends) wait_until_thawed(fault.nodes[i], wait);
   }));
-  const bool lasts = fault.name == Name::kill || (fault.name == Name::freeze && !ends);
+  const bool lasts = is_noted(fault.name) && !ends;
   std::vector<Begun> begun;
   for (const wire::NodeId node : fault.nodes) {
     const std::string id = daemons_.node(node).name + '.' + fault::word_of(fault.name).word;
@@ -105,7 +111,7 @@ std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault, const W
 Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node, const Wait& wait) const {
   if (fault::word_of(fault.name).of != Of::node) return begin_at_daemon(fault, node);
   const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
-  if (fault.name != Name::kill && fault.name != Name::freeze) return begin_at_node(fault, node), Begun{"", words};
+  if (!is_noted(fault.name)) return begin_at_node(fault, node), Begun{"", words};
   const NodeNote note = begin_noted(fault.name, node, words);
   if (fault.lasts.count() == 0) return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
   wait_and_thaw(fault.lasts, node, note, wait);
@@ -228,7 +234,7 @@ void LiveFaults::remove(const std::string& id) const {
   if (dot == std::string::npos) throw no_id(id);
   const wire::NodeId node = node_of(id);
   const std::string rest = id.substr(dot + 1);
-  if (rest == kKill || rest == kFreeze) {
+  if (const fault::Word* word = fault::find_word(rest); word != nullptr && is_noted(word->name)) {
     const auto fault = node_fault(node);
     if (fault && fault->name == rest) return revive(node);
     throw NotDone("node " + daemons_.node(node).name + " has no fault " + rest + " (any more)");

@@ -14,7 +14,7 @@ std::optional<status::Fault> noted_fault(const std::string& folder, wire::NodeId
 
 /// All faults that last, in ring order.
 struct FaultList {
-  std::vector<status::Fault> faults;  ///< their ids: NODE.NUMBER, or NODE.freeze, NODE.kill
+  std::vector<status::Fault> faults;  ///< their ids: NODE.NUMBER, or NODE.freeze, NODE.suspend, NODE.kill
   std::vector<std::string> unknown;   ///< for each daemon that runs and does not tell of its own: whose, and why
 };
 

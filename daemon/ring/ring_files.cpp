@@ -253,7 +253,8 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
   const std::string fault = holder.on_virtual_ring ? noted_fault(folder, node) : "";
   holder.held = lives && fault != fault::word_of(fault::Name::kill).word;
-  holder.frozen = holder.held && (fault == fault::word_of(fault::Name::freeze).word || process::is_stopped(holder.pid));
+  const fault::Word* word = fault::find_word(fault);
+  holder.frozen = holder.held && ((word != nullptr && fault::freezes(word->name)) || process::is_stopped(holder.pid));
   return holder;
 }
 

@@ -26,8 +26,8 @@ void Cpus::tell(NodeId id, wire::CpuState state) {
   core::CpuReport report;
   report.boots = cpus_[id].boots;
   report.state = state;
-  report.spoke_at = cpus_[id].spoke_at;
-  ring_.node(id).apply(core::input::Cpu{report}, ring_.now());
+  report.spoke_at = cpus_[id].spoke_at + ring_.ahead(id);
+  ring_.node(id).apply(core::input::Cpu{report}, ring_.time_of(id));
 }
 
 void Cpus::read(NodeId id, bool reads) {
@@ -169,7 +169,7 @@ void Cpus::started(NodeId id) {
 watchdog::CpuSighting Cpus::sighting_of(NodeId id) const {
   const Cpu& cpu = cpus_[id];
   const core::Duration silent = cpu.running ? core::Duration{0} : ring_.now() - cpu.spoke_at;
-  return {ring_.now(), cpu.boots, cpu.state, std::chrono::duration_cast<std::chrono::milliseconds>(silent), true};
+  return {ring_.time_of(id), cpu.boots, cpu.state, std::chrono::duration_cast<std::chrono::milliseconds>(silent), true};
 }
 
 namespace {
@@ -217,19 +217,18 @@ void Supervisor::evaluate_later() {
 }
 
 void Supervisor::evaluate() {
-  const watchdog::Watchdog::Round round =
-      watchdog_.evaluate([this](NodeId id) { return sighting_of(id); }, ring_.now());
+  const watchdog::Watchdog::Round round = watchdog_.evaluate([this](NodeId id) { return sighting_of(id); }, now());
   for (const NodeId id : round.resets) reset(id);
 }
 
 void Supervisor::reset(NodeId id) {
   const std::uint32_t token =
       ring_.interrupt(node_, id, *config::first_pin(config_.nodes[id], config::PinConfig::Action::reset));
-  resets_.push_back({id, token, watchdog::ResetOrder(cpu_of(id), ring_.now())});
+  resets_.push_back({id, token, watchdog::ResetOrder(cpu_of(id), now())});
   ring_.at(ring_.now() + core::Duration(watchdog_.confirm_within()), [this, token] {
     const auto late =
         std::find_if(resets_.begin(), resets_.end(), [token](const Reset& each) { return each.token == token; });
-    if (late != resets_.end()) finish(late, late->order.timed_out(ring_.now()));
+    if (late != resets_.end()) finish(late, late->order.timed_out(now()));
   });
 }
 
@@ -240,9 +239,9 @@ void Supervisor::came(const core::Event& event, NodeId at) {
   for (auto it = resets_.begin(); it != resets_.end();) {
     const auto place = it++;
     if (ended && ended->token == place->token)
-      finish(place, place->order.interrupt_ended(*ended, cpu_of(place->node), event.at));
+      finish(place, place->order.interrupt_ended(*ended, cpu_of(place->node), event.at + ring_.ahead(node_)));
     else if (changed && changed->node == place->node)
-      finish(place, place->order.cpu_changed(cpu_of(place->node), event.at));
+      finish(place, place->order.cpu_changed(cpu_of(place->node), event.at + ring_.ahead(node_)));
   }
 }
 
@@ -250,7 +249,7 @@ void Supervisor::finish(std::list<Reset>::iterator reset, const watchdog::ResetO
   if (!report) return;
   const NodeId node = reset->node;
   resets_.erase(reset);
-  watchdog_.reset_ended(node, report->success(), report->message, ring_.now());
+  watchdog_.reset_ended(node, report->success(), report->message, now());
 }
 
 watchdog::CpuSighting Supervisor::sighting_of(NodeId id) const {
@@ -260,7 +259,7 @@ watchdog::CpuSighting Supervisor::sighting_of(NodeId id) const {
 
 watchdog::CpuKnown Supervisor::cpu_of(NodeId id) const {
   const watchdog::CpuSighting cpu = sighting_of(id);
-  return watchdog::known_of(cpu, watchdog::is_heard(cpu, ring_.now(), beacon_),
+  return watchdog::known_of(cpu, watchdog::is_heard(cpu, now(), beacon_),
                             watchdog::reach_of(ring_.settings(node_).order, membership_->broken_line(), node_, id));
 }
 

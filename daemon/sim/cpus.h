@@ -113,6 +113,7 @@ class Supervisor {
     watchdog::ResetOrder order;
   };
 
+  core::Time now() const { return ring_.time_of(node_); }  ///< by its node's clock, as all that is known of others
   void evaluate();
   void evaluate_later();
   void reset(NodeId id);

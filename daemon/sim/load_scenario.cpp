@@ -5,6 +5,7 @@
 #include <set>
 
 #include "config/entry.h"
+#include "config/fault_parse.h"
 #include "config/load_ring.h"
 #include "config/quantity.h"
 #include "config/ring_config.h"
@@ -51,6 +52,8 @@ void learn_nodes(config::Document& document, const config::RingConfig& ring) {
   for (std::size_t place = 0; place < ring.nodes.size(); ++place) {
     document.nodes[ring.nodes[place].name] = static_cast<std::uint8_t>(place);
     document.nodes[std::to_string(ring.nodes[place].id)] = static_cast<std::uint8_t>(place);
+    if (const std::string host = fault::host_name(ring, ring.nodes[place]); !host.empty())
+      document.nodes_of_hosts[host].push_back(static_cast<std::uint8_t>(place));
   }
 }
 
@@ -199,6 +202,7 @@ constexpr const char* kTitleRule = "a line of 1 to 100 bytes, UTF-8 without cont
 constexpr const char* kLineRule = "two nodes of the ring, such as left_hip -> left_knee";
 constexpr const char* kGoalRule = "the name of a goal, as 'ring_sim soak --goals' lists them";
 constexpr config::IntegerRange kDrifts{-100'000, 100'000};
+constexpr config::IntegerRange kOrders{0, 1'000'000};
 constexpr config::TimeRange kTimes{0s, 3600s, 1ns};
 constexpr config::TimeRange kDelays{0s, 1s, 1ns};
 
@@ -279,6 +283,21 @@ Limit read_limit(const Entry& entry) {
   return {sim, live ? read_time(*live, kTimes) : sim + kLiveGuard};
 }
 
+namespace {
+
+/// One, or all of a host.
+std::vector<NodeId> places_called(const Entry& entry, const char* also) {
+  const config::Document& document = entry.document();
+  const std::string name = entry.is_scalar() ? entry.text("") : "";
+  const auto host = document.nodes_of_hosts.find(name);
+  if (document.nodes.count(name) != 0 || host == document.nodes_of_hosts.end()) return {read_place(entry, also)};
+  std::vector<NodeId> places;
+  for (const std::uint8_t place : host->second) places.emplace_back(place);
+  return places;
+}
+
+}  // namespace
+
 std::vector<NodeId> read_nodes(const Entry& entry) {
   std::vector<NodeId> nodes;
   if (entry.is_scalar() && entry.text("") == "all") {
@@ -287,11 +306,12 @@ std::vector<NodeId> read_nodes(const Entry& entry) {
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     return nodes;
   }
-  if (entry.is_scalar()) return {read_place(entry, ", a list of them, or all")};
-  for (const Entry& item : entry.items("a node, a list of nodes, or all", config::kMostNodes)) {
-    nodes.push_back(read_place(item));
-    if (std::count(nodes.begin(), nodes.end(), nodes.back()) > 1) item.refuse_value("is named twice", "each node once");
-  }
+  if (entry.is_scalar()) return places_called(entry, ", a host, a list of them, or all");
+  for (const Entry& item : entry.items("a node, a list of nodes, or all", config::kMostNodes))
+    for (const NodeId place : places_called(item, ", or a host")) {
+      nodes.push_back(place);
+      if (std::count(nodes.begin(), nodes.end(), place) > 1) item.refuse_value("is named twice", "each node once");
+    }
   return nodes;
 }
 
@@ -320,6 +340,13 @@ const Section<Scenario>& scenario_section() {
       {"seed", "1", "a whole number", "Seed of all random choices.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));
+       }},
+      {"order", "that of the ring's file, or 0", config::allowed(kOrders),
+       "Seed of the order of what happens in one instant under the virtual clock: programs act one after the other, "
+       "and "
+       "packets come in from two lines, in an order that it draws. 0: a fixed order.",
+       [](const Entry& entry, Scenario& scenario) {
+         scenario.ring.virtual_clock.order = static_cast<std::uint32_t>(read_integer(entry, kOrders));
        }},
       {"only", "none", "sim", "sim: the scenario runs only under the virtual clock.",
        [](const Entry& entry, Scenario& scenario) { scenario.only_sim = read_choice(entry, {"sim"}) == 0; }},

@@ -62,7 +62,8 @@ std::string case_without_run(const Scenario& scenario, const std::string& elemen
 
 std::string text_of(const ScenarioRun& run) {
   const std::string where = run.live ? "live, " : run.trace ? "virtual, " : "";
-  std::string text = run.path + ": " + run.name + " (" + where + "seed " + std::to_string(run.seed) + ")\n";
+  const std::string order = run.order == 0 ? "" : ", order " + std::to_string(run.order);
+  std::string text = run.path + ": " + run.name + " (" + where + "seed " + std::to_string(run.seed) + order + ")\n";
   for (const LogLine& line : run.log) text += milliseconds(line.at) + "  " + line.what.words + '\n';
   if (!run.unmet) return text + milliseconds(run.lasted) + "  end: all as expected\n" + trace_line(run);
   const std::string indent(milliseconds(run.lasted).size() + 2, ' ');
@@ -119,6 +120,8 @@ void judge(const Scenario& scenario, const Step& step, const std::string& transp
   if (action && action->name == fault::Name::reorder && !is_udp(scenario, action->nodes[0], transport))
     reasons.push_back(step.words +
                       ": UNIX streams and shared memory keep order; with --transport udp it can be had live");
+  if (action && action->name == fault::Name::step_clock)
+    reasons.push_back(step.words + ": live, the clocks are those of the machine");
 }
 
 }  // namespace

@@ -26,6 +26,8 @@ fault::RingNodes nodes_by_place(const Entry& entry) {
     (config::are_digits(name) ? nodes[place].number : nodes[place].name) = name;
     nodes[place].id = NodeId{place};
   }
+  for (const auto& [host, places] : entry.document().nodes_of_hosts)
+    for (const std::uint8_t place : places) nodes[place].host = host;
   return nodes;
 }
 

@@ -70,6 +70,7 @@ bool ModelStage::run_until(const std::function<bool()>& done, core::Duration unt
 std::optional<Stage::Failure> ModelStage::apply(const Fault& fault) {
   const fault::Of of = fault::word_of(fault.name).of;
   if (of == fault::Of::line) return lines_.begin(fault), std::nullopt;
+  if (fault.name == Name::step_clock) return sim::step_clocks(ring(), fault), std::nullopt;
   // All are off before the first is on again.
   const bool power_cycle = fault.name == Name::power_cycle;
   if (power_cycle)
@@ -104,7 +105,7 @@ void ModelStage::apply_to_node(Name fault, NodeId id) {
     case fault::Node::dead:
       return ring().kill(id);
     case fault::Node::frozen:
-      return ring().freeze(id);
+      return ring().freeze(id, fault == Name::suspend);
     case fault::Node::runs:
       if (before == fault::Node::frozen) return ring().thaw(id);
       ring().start(id);

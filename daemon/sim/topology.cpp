@@ -46,14 +46,14 @@ void VirtualRing::attach_input(NodeId id, NodeId from, Line line) {
   end_of(id, line, true).told = from;
   touch(id);
   for (Observer* observer : observers_) observer->input_changes(id, line, now_);
-  nodes_[id].controller->apply(core::input::InputUp{line, from}, now_);
+  nodes_[id].controller->apply(core::input::InputUp{line, from}, time_of(id));
 }
 
 void VirtualRing::input_lost(NodeId id, Line line) {
   touch(id);
   for (Observer* observer : observers_) observer->input_changes(id, line, now_);
   if (nodes_[id].guest != nullptr) return nodes_[id].guest->input_gone();
-  nodes_[id].controller->apply(core::input::InputLost{line}, now_);
+  nodes_[id].controller->apply(core::input::InputLost{line}, time_of(id));
 }
 
 void VirtualRing::output_up(NodeId id, NodeId to, Line line) {
@@ -73,7 +73,7 @@ void VirtualRing::guest_connected(NodeId id) {
 
 void VirtualRing::guest_gap(NodeId id) {
   const auto to = successor(id);
-  if (to && nodes_[*to].guest == nullptr) node(*to).apply(core::input::InputGap{Line::first}, now_);
+  if (to && nodes_[*to].guest == nullptr) node(*to).apply(core::input::InputGap{Line::first}, time_of(*to));
 }
 
 void VirtualRing::attach_output(NodeId id, NodeId to, Line line) {
@@ -81,13 +81,13 @@ void VirtualRing::attach_output(NodeId id, NodeId to, Line line) {
   end_of(id, line, false).told = to;
   touch(id);
   for (Observer* observer : observers_) observer->output_ready(id, true, now_);
-  nodes_[id].controller->apply(core::input::OutputUp{line, to}, now_);
+  nodes_[id].controller->apply(core::input::OutputUp{line, to}, time_of(id));
 }
 
 void VirtualRing::output_lost(NodeId id, Line line) {
   touch(id);
   if (nodes_[id].guest != nullptr) return nodes_[id].guest->output_gone();
-  nodes_[id].controller->apply(core::input::OutputLost{line}, now_);
+  nodes_[id].controller->apply(core::input::OutputLost{line}, time_of(id));
 }
 
 // ---- what a node notices late -------------------------------------------------------------
@@ -127,7 +127,7 @@ bool VirtualRing::revive(NodeId id, Line line) {
   wire_of(to, line).predecessor = id;
   touch(to);
   for (Observer* observer : observers_) observer->input_changes(to, line, now_);
-  nodes_[to].controller->apply(core::input::InputGap{line}, now_);
+  nodes_[to].controller->apply(core::input::InputGap{line}, time_of(to));
   return true;
 }
 
@@ -232,20 +232,57 @@ void VirtualRing::start(NodeId id) {
   if (alive(id)) return;
   Node& n = nodes_[id];
   ++n.starts;
+  let_clock_go_on(id);
   const auto former = make_node(id);  // an observer may let go of it when it hears of the next one
   n.controller->set_cpu_present(true);
   tell(id, Incident::started);
   enter(id);
 }
 
-void VirtualRing::freeze(NodeId id) {
+void VirtualRing::freeze(NodeId id, bool clock_stands) {
   if (!alive(id)) return;
   leave(id);
+  if (clock_stands) nodes_[id].stands_since = now_;
   tell(id, Incident::frozen);
+}
+
+void VirtualRing::let_clock_go_on(NodeId id) {
+  if (nodes_[id].stands_since != kNever) set_ahead(id, ahead(id));
+}
+
+void VirtualRing::skip_time(NodeId id, Duration by) {
+  if (by == Duration{0}) return;
+  const bool stands = nodes_[id].stands_since != kNever;
+  set_ahead(id, ahead(id) + by);
+  if (stands) nodes_[id].stands_since = now_;
+  touch(id);
+}
+
+void VirtualRing::set_ahead(NodeId id, Duration ahead) {
+  Node& n = nodes_[id];
+  n.stands_since = kNever;
+  n.clock_steps.push_back({now_ + ahead, ahead});
+  if (n.clock_steps.size() > kClockSteps) n.clock_steps.erase(n.clock_steps.begin());
+}
+
+Time VirtualRing::before_steps(NodeId id, Time of_node) const {
+  const std::vector<ClockStep>& steps = nodes_[id].clock_steps;
+  if (of_node >= steps.back().since) return of_node - ahead(id);
+  const auto next = std::find_if(steps.begin(), steps.end(), [&](const ClockStep& s) { return s.since > of_node; });
+  const Duration ahead = next == steps.begin() ? Duration{0} : std::prev(next)->ahead;
+  return of_node - ahead;
+}
+
+void VirtualRing::tell_by_ring_clock(NodeId id, core::Event& event) const {
+  if (nodes_[id].clock_steps.empty()) return;
+  if (auto* end = std::get_if<core::SendEnded>(&event.what))
+    end->round_trip = in_ring(id, event.at) - in_ring(id, event.at - end->round_trip);
+  event.at = in_ring(id, event.at);
 }
 
 void VirtualRing::thaw(NodeId id) {
   if (alive(id)) return;
+  let_clock_go_on(id);
   tell(id, Incident::thawed);
   for (const Line line : lines()) {
     input_lost(id, line);
@@ -327,6 +364,13 @@ void VirtualRing::cut_cable(NodeId id) {
 void VirtualRing::heal_cable(NodeId id) {
   heal(id);
   heal(core::node_after(order(), id, 1), Line::second);
+}
+
+void step_clocks(VirtualRing& ring, const fault::Fault& fault) {
+  for (const NodeId id : fault.nodes) {
+    ring.step_wall_clock(id, fault.forward - fault.back);
+    ring.skip_time(id, fault.monotonic);
+  }
 }
 
 }  // namespace limb_ring::sim

@@ -30,7 +30,7 @@ void let_drift(core::Settings& s, int ppm) {
 }
 
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
-    : options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)) {
+    : options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)), arrivals_(options.arrivals_seed) {
   if (options_.order.empty())
     for (unsigned id = 0; id < options.nodes; ++id) options_.order.push_back(static_cast<NodeId>(id));
   for (unsigned id = 0; id < size(); ++id) make_node(static_cast<NodeId>(id));  // also for ids that no node has
@@ -47,7 +47,7 @@ VirtualRing::VirtualRing(const VirtualRingOptions& options)
 
 std::unique_ptr<NetworkController> VirtualRing::make_node(NodeId id) {
   Node& n = nodes_[id];
-  auto former = std::exchange(n.controller, std::make_unique<NetworkController>(settings_of(id), now_));
+  auto former = std::exchange(n.controller, std::make_unique<NetworkController>(settings_of(id), time_of(id)));
   n.observer_tap = std::make_unique<ObserverTap>(*this, id);
   if (!observers_.empty()) n.controller->set_tap(n.observer_tap.get());
   return former;
@@ -63,15 +63,23 @@ core::Settings VirtualRing::settings_of(NodeId id) const {
   core::Settings settings;
   settings.id = id;
   settings.order = options_.order;
-  // Each life has the incarnation after that of the one before; the first one has 0.
-  const std::uint64_t former = nodes_[id].controller ? nodes_[id].controller->membership().boot() : 3;
-  settings.boot = (nodes_[id].starts + 1) << 32 | std::uint64_t{id} << 24 | wire::incarnation_of(former + 1);
+  settings.boot = next_boot(id);
   settings.byte_time_in = settings.byte_time_out = options_.byte_time;
   settings.relay_delay = options_.relay_delay;
   settings.wired = {true, true, true, false, false, false, false, false};  // as pins are by default
   options_.adjust(settings);
   if (options_.drift) let_drift(settings, options_.drift(id));
   return settings;
+}
+
+// The wall clock shows a time of its own, which goes on by 4.3 s with each start, unless it is set. Each life has the
+// incarnation after that of the one before; the first one has 0.
+std::uint64_t VirtualRing::next_boot(NodeId id) const {
+  const Node& n = nodes_[id];
+  constexpr std::int64_t kRoundedUpBy = 4;
+  const auto shown = static_cast<std::int64_t>((n.starts + 1) << 32 | std::uint64_t{id} << 24) - kRoundedUpBy;
+  const std::int64_t wall = std::max<std::int64_t>(shown + core::whole_nanoseconds(n.wall_ahead).count(), 0);
+  return wire::next_boot(n.controller ? n.controller->membership().boot() : 3, static_cast<std::uint64_t>(wall));
 }
 
 // ---- traffic ------------------------------------------------------------------------------
@@ -86,14 +94,14 @@ std::uint32_t VirtualRing::send(NodeId id, NodeId destination, const std::vector
   request.channel = wire::ChannelId{channel};
   request.data = {data.data(), data.size()};
   for (Observer* observer : observers_) observer->asked(id, request, now_);
-  node(id).apply(core::input::Send{request}, now_);
+  node(id).apply(core::input::Send{request}, time_of(id));
   return request.token;
 }
 
 std::uint32_t VirtualRing::interrupt(NodeId id, NodeId destination, std::uint8_t factor) {
   const core::InterruptRequest request{kUser, nodes_[id].next_token++, destination, wire::Factor{factor}};
   for (Observer* observer : observers_) observer->asked(id, request, now_);
-  node(id).apply(core::input::Interrupt{request}, now_);
+  node(id).apply(core::input::Interrupt{request}, time_of(id));
   return request.token;
 }
 
@@ -104,13 +112,13 @@ std::uint32_t VirtualRing::pull(NodeId id, unsigned input) {
     for (Observer* observer : observers_)
       observer->asked(id, core::InterruptRequest{kUser, token, inputs[input]->destination, inputs[input]->factor},
                       now_);
-  node(id).apply(core::input::Pull{kUser, token, input}, now_);
+  node(id).apply(core::input::Pull{kUser, token, input}, time_of(id));
   return token;
 }
 
 void VirtualRing::reset_cpu(NodeId id) {
   tell(id, Incident::cpu_reset);
-  node(id).apply(core::input::CpuReset{kUser}, now_);
+  node(id).apply(core::input::CpuReset{kUser}, time_of(id));
 }
 
 void VirtualRing::set_cpu_present(NodeId id, bool present) {
@@ -125,7 +133,7 @@ void VirtualRing::set_cpu_reads(NodeId id, bool reads) {
 
 void VirtualRing::cancel(NodeId id) {
   tell(id, Incident::cancelled);
-  node(id).apply(core::input::Cancel{kUser}, now_);
+  node(id).apply(core::input::Cancel{kUser}, time_of(id));
 }
 
 const core::SendEnded* VirtualRing::ended(NodeId id, std::uint32_t token) const {
@@ -182,10 +190,24 @@ bool VirtualRing::joined() const {
 void VirtualRing::step() {
   now_ = next_instant();
   act();
-  for (DelayLine& delay_line : delay_lines_)
-    while (delay_line.next() == now_) deliver(delay_line.pop());
+  if (options_.arrivals_seed != 0 && settings(order().front()).fold_back)
+    deliver_drawn();
+  else
+    for (DelayLine& delay_line : delay_lines_)
+      while (delay_line.next() == now_) deliver(delay_line.pop());
   wakes_.each_at(now_, [this](unsigned id) { touch(static_cast<NodeId>(id)); });
   settle_touched();
+}
+
+// What comes on one line keeps its order. Nothing leaves meanwhile, so what was popped stays where it is.
+void VirtualRing::deliver_drawn() {
+  arriving_.clear();
+  for (DelayLine& delay_line : delay_lines_)
+    while (delay_line.next() == now_) arriving_.push_back(&delay_line.pop());
+  const Line first = arrivals_() % 2 == 0 ? Line::first : Line::second;
+  for (const bool is_first : {true, false})
+    for (const DelayLine::Arrival* arrival : arriving_)
+      if ((arrival->line == first) == is_first) deliver(*arrival);
 }
 
 void VirtualRing::act() {
@@ -202,16 +224,17 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   if (to.paused) return to.waiting.push_back(arrival);
   if (to.guest != nullptr) return deliver_to_guest(arrival);
   NetworkController& controller = *to.controller;
+  const Time now = time_of(arrival.to);
   wire::each_slice(arrival.slices.view(), [&](const Slice& slice) {
     if (const auto word = wire::fold_word(slice))
       for (Observer* observer : observers_) observer->word_arrives(arrival.to, *word, arrival.line, now_);
-    controller.receive(arrival.line, slice, now_);
+    controller.receive(arrival.line, slice, now);
   });
   // On a line with a data rate most of what comes in has to wait for its turn: then there is nothing to
   // be done but to note when.
-  const Time deadline = controller.next_deadline(now_);
-  if (deadline <= now_ || controller.has_output(now_)) return touch(arrival.to);
-  wakes_.set(arrival.to, deadline);
+  const Time deadline = controller.next_deadline(now);
+  if (deadline <= now || controller.has_output(now)) return touch(arrival.to);
+  wakes_.set(arrival.to, in_ring(arrival.to, deadline));
 }
 
 void VirtualRing::settle_touched() {
@@ -240,13 +263,14 @@ void VirtualRing::settle_guest(NodeId id, Node& node) {
 void VirtualRing::settle(NodeId id, Node& node) {
   if (node.guest != nullptr) return settle_guest(id, node);
   NetworkController& controller = *node.controller;
-  controller.apply(core::input::Timeout{}, now_);
-  controller.apply(core::input::Run{}, now_);
+  const Time now = time_of(id);
+  controller.apply(core::input::Timeout{}, now);
+  controller.apply(core::input::Run{}, now);
   for (const Line line : controller.lines())
     if (SliceWriter& slices = controller.output(line); !slices.empty())
       put_on_line(id, line, node.lines[static_cast<std::size_t>(line)], slices);
-  if (controller.has_output(now_)) give_out(id);
-  wakes_.set(id, std::max(controller.next_deadline(now_), now_));
+  if (controller.has_output(now)) give_out(id);
+  wakes_.set(id, std::max(in_ring(id, controller.next_deadline(now)), now_));
 }
 
 void VirtualRing::put_on_line(NodeId id, Line line, const Wire& out, SliceWriter& slices) {
@@ -292,7 +316,8 @@ void VirtualRing::tell_tapped(NodeId id, Line line, const wire::Slice& slice, st
 void VirtualRing::give_out(NodeId id) {
   NetworkController& controller = *nodes_[id].controller;
   core::Event event;
-  while (controller.take_event(now_, event)) {
+  while (controller.take_event(time_of(id), event)) {
+    tell_by_ring_clock(id, event);
     for (Observer* observer : observers_) observer->event(id, event);
     if (options_.keep_logs) nodes_[id].log.events.push_back(event);
     on_event(id, event);
@@ -305,7 +330,8 @@ void VirtualRing::give_out(NodeId id) {
 }
 
 bool VirtualRing::take(NodeId id, core::ReceivedPacket& packet) {
-  if (!nodes_[id].controller->take(now_, packet)) return false;
+  if (!nodes_[id].controller->take(time_of(id), packet)) return false;
+  packet.at = in_ring(id, packet.at);
   for (Observer* observer : observers_) observer->packet(id, packet);
   if (options_.keep_logs) nodes_[id].log.packets.push_back(packet);
   on_packet(id, packet);

@@ -4,8 +4,10 @@
 #include <memory>
 #include <optional>
 #include <queue>
+#include <random>
 #include <vector>
 
+#include "config/fault.h"
 #include "core/network_controller.h"
 #include "judge/ledger.h"
 #include "sim/delay_line.h"
@@ -23,6 +25,8 @@ struct VirtualRingOptions {
   Duration relay_delay = std::chrono::nanoseconds(512);  ///< d: line and NC, before the Packet Manager
   bool start = true;                                     ///< false: nodes stay dead until start()
   bool keep_logs = true;                                 ///< false: events and packets go to the callbacks only
+  /// Of the order in which packets come in one instant from two lines; 0: in that in which they left.
+  std::uint64_t arrivals_seed = 0;
   /// How long it takes until the ends of a line know each other, drawn for each end; null: no time.
   std::function<Duration()> connecting;
   /// How long it takes until an end of a line that is gone notices that, drawn for each end; null: no time. A line is
@@ -38,6 +42,10 @@ struct VirtualRingOptions {
 /// Scales all times that a node with these settings keeps: its clock is wrong.
 /// @param ppm by how many millionths it is too fast; below 0 too slow
 void let_drift(core::Settings& settings, int ppm);
+
+class VirtualRing;
+/// Does a fault step_clock.
+void step_clocks(VirtualRing& ring, const fault::Fault& fault);
 
 /// What one node was given: its events and packets, in order.
 struct NodeLog {
@@ -57,6 +65,19 @@ class VirtualRing {
   explicit VirtualRing(const VirtualRingOptions& options);
 
   Time now() const { return now_; }
+  /// What the monotonic clock of a node shows, by which its controller lives: that of the ring, but for the times that
+  /// it stood, or has skipped. All that observers and callbacks are told is of the ring's clock.
+  Time time_of(NodeId id) const { return now_ + ahead(id); }
+  /// By how much it is ahead of the ring's; below 0 behind it.
+  Duration ahead(NodeId id) const {
+    const Node& n = nodes_[id];
+    const Duration stood = n.stands_since == core::kNever ? Duration{0} : now_ - n.stands_since;
+    return (n.clock_steps.empty() ? Duration{0} : n.clock_steps.back().ahead) - stood;
+  }
+  /// An instant of that clock on the ring's, also one before its last steps; kNever remains.
+  Time in_ring(NodeId id, Time of_node) const {
+    return nodes_[id].clock_steps.empty() || of_node == core::kNever ? of_node : before_steps(id, of_node);
+  }
   /// For calls that change something at a node: before time goes on, the node may then use its lines, and its events
   /// are taken.
   NetworkController& node(NodeId id) {
@@ -124,12 +145,17 @@ class VirtualRing {
   /// A new process of that node, with a higher boot number.
   void start(NodeId id);
   /// The node's process stops and is bypassed; later it goes on, and finds both its links gone.
-  void freeze(NodeId id);
+  /// @param clock_stands its monotonic clock stands, too, until it goes on or starts anew: its host is suspended
+  void freeze(NodeId id, bool clock_stands = false);
   void thaw(NodeId id);
   /// The node's process stops for a while: what comes in waits, its lines stay up, and it goes on where it was.
   void pause(NodeId id);
   void resume(NodeId id);
   bool paused(NodeId id) const { return nodes_[id].paused; }
+  /// The monotonic clock of a node skips that time: all deadlines within it are due at once. @param by >= 0
+  void skip_time(NodeId id, Duration by);
+  /// The wall clock of a node is set forward, or back: its next boot number comes from there. @param by below 0: back
+  void step_wall_clock(NodeId id, Duration by) { nodes_[id].wall_ahead += by; }
   /// The lines out of the node take nothing more for now (false), or again.
   void set_output_ready(NodeId id, bool ready);
   /// A wire out of node `id`: cut, whole again. The node behind learns of it at once, the one
@@ -151,6 +177,7 @@ class VirtualRing {
   ///@{
   /// @param guest outlives this @pre node `id` is dead, and the ring does not fold back
   void set_guest(NodeId id, Guest& guest) { nodes_[id].guest = &guest; }
+  bool is_guest(NodeId id) const { return nodes_[id].guest != nullptr; }
   /// It has taken the line of the node before it.
   void guest_accepts(NodeId id);
   /// The node after it has taken its line.
@@ -218,12 +245,23 @@ class VirtualRing {
   struct ObserverTap final : core::Tap {
     ObserverTap(VirtualRing& in, NodeId at) : ring(in), node(at) {}
     void arrives(const wire::Slice& slice, Line, Time now) override {
-      for (Observer* observer : ring.observers_) observer->arrives(node, slice, now);
+      for (Observer* observer : ring.observers_) observer->arrives(node, slice, ring.in_ring(node, now));
     }
     void leaves(wire::ByteView slices, Line, Time) override { ring.tell_leaving(node, slices); }
     VirtualRing& ring;
     NodeId node;
   };
+  /// From `since` on, by that clock itself, it is so much ahead of the ring's.
+  struct ClockStep {
+    Time since{};
+    Duration ahead{0};
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("since", since)("ahead", ahead);
+    }
+  };
+  static constexpr std::size_t kClockSteps = 64;
   struct Node {
     std::unique_ptr<NetworkController> controller;
     Guest* guest = nullptr;  ///< in place of the controller
@@ -236,6 +274,9 @@ class VirtualRing {
     std::array<End, 2> inputs, outputs;
     std::unique_ptr<ObserverTap> observer_tap;
     std::uint64_t starts = 0;
+    std::vector<ClockStep> clock_steps;  ///< of its monotonic clock, the last kClockSteps
+    Time stands_since = core::kNever;    ///< that clock, by the ring's
+    Duration wall_ahead{0};
     std::uint32_t next_token = 1;
     std::vector<DelayLine::Arrival> waiting;  ///< what came while it was
     NodeLog log;
@@ -244,6 +285,7 @@ class VirtualRing {
     void archive(Archive& a) {
       a("controller", *controller)("alive", alive)("cpu_reads", cpu_reads)("lines", lines)("starts", starts);
       a("next_token", next_token)("paused", paused)("waiting", waiting);
+      a("clock_steps", clock_steps)("stands_since", stands_since)("wall_ahead", wall_ahead);
     }
   };
   struct Action {
@@ -254,6 +296,11 @@ class VirtualRing {
   };
 
   core::Settings settings_of(NodeId id) const;
+  std::uint64_t next_boot(NodeId id) const;
+  void let_clock_go_on(NodeId id);
+  void set_ahead(NodeId id, Duration ahead);
+  Time before_steps(NodeId id, Time of_node) const;
+  void tell_by_ring_clock(NodeId id, core::Event& event) const;
   /// @return the controller of its former life, whose boot number the new one follows; null if this is the first
   std::unique_ptr<NetworkController> make_node(NodeId id);
   Wire& wire_of(NodeId id, Line line = Line::first) { return nodes_[id].lines[static_cast<std::size_t>(line)]; }
@@ -287,6 +334,7 @@ class VirtualRing {
   void touch(NodeId id) { touched_.insert(id); }
   void step();
   void act();
+  void deliver_drawn();
   void deliver(const DelayLine::Arrival& arrival);
   bool joined() const;
   void settle_touched();
@@ -310,6 +358,8 @@ class VirtualRing {
   std::priority_queue<Action, std::vector<Action>, std::greater<Action>> actions_;
   std::vector<Observer*> observers_;
   wire::SliceWriter tapped_, of_guest_;
+  std::mt19937_64 arrivals_;
+  std::vector<const DelayLine::Arrival*> arriving_;
 };
 
 }  // namespace limb_ring::sim

@@ -42,6 +42,7 @@ RandomFaults::RandomFaults(const Origin& origin)
       world_(origin.fold_back, origin.world, draws_, wide_),
       sought_draws_(origin.seed ^ kOfGoals),
       drifts_(drifts_of(origin.seed, origin.more.drift)),
+      clock_draws_(origin.seed ^ ~kOfClocks),
       ring_(ring_options()),
       invariants_(ring_),
       lines_(ring_, origin.seed),
@@ -140,6 +141,7 @@ void RandomFaults::act() {
   if (world_.in_parts && wide_.once_in(world_.trouble)) burst();
   if (world_.storms && wide_.once_in(kStepsToStorm)) storm();
   if (origin_.more.sought != nullptr && sought_draws_.once_in(kStepsToSeek)) seek();
+  if (origin_.more.clocks && clock_draws_.once_in(world_.trouble)) clock_fault();
   if (draws_.once_in(7))
     interrupt();
   else
@@ -362,6 +364,55 @@ void RandomFaults::line_fault(NodeId node) {
   lines_.begin(fault);
 }
 
+// A monotonic clock skips no more than a node may stand still, see stand_still(), and at least a packet: within one,
+// the node has timed ahead when it ends. The judge of round trips does not follow that, and on the lines of wide worlds
+// not at all. A wall clock is set by up to an hour; one life moves it by 4.3 s.
+void RandomFaults::clock_fault() {
+  const NodeId node = world_.order[clock_draws_.below(world_.nodes)];
+  fault::Fault fault;
+  fault.name = fault::Name::step_clock;
+  fault.nodes = {node};
+  switch (clock_draws_.below(4)) {
+    case 0:
+      fault.forward = 1s * (1 + clock_draws_.below(3600));
+      break;
+    case 1:
+      fault.back = 1s * (1 + clock_draws_.below(3600));
+      break;
+    case 2:
+      if (world_.is_wide) return suspend_or_wake(node);
+      fault.monotonic = core::whole_nanoseconds(2 * ring_.settings(node).byte_time_in * wire::kMaxDataPacketSize) +
+                        1ns * (1 + clock_draws_.below(longest_hold(node, world_.doubles ? 32 : 16)));
+      break;
+    case 3:
+      return suspend_or_wake(node);
+  }
+  history_.add(fault);
+  sim::step_clocks(ring_, fault);
+}
+
+// A host has up to half of the nodes, beside each other, from this one on.
+void RandomFaults::suspend_or_wake(NodeId node) {
+  if (!suspended_.empty()) {
+    for (const NodeId id : std::exchange(suspended_, {}))
+      if (!ring_.alive(id) && !killed_[id]) freeze_or_thaw(id);
+    return;
+  }
+  const std::size_t nodes = 1 + clock_draws_.below(std::max(world_.nodes / 2, 1u));
+  for (std::size_t lines = 0; lines < nodes; ++lines) {
+    const NodeId id = core::node_after(world_.order, node, lines);
+    if (!ring_.alive(id)) continue;
+    suspend(id);
+    suspended_.push_back(id);
+  }
+}
+
+void RandomFaults::suspend(NodeId node) {
+  history_.add(fault::Name::suspend, node);
+  killed_[node] = false;
+  ring_.freeze(node, true);
+}
+
 unsigned RandomFaults::longest_hold(NodeId node, int share) const {
   return static_cast<unsigned>(ring_.settings(node).send_timeout() / share / 1ns);
 }
@@ -429,6 +480,7 @@ void RandomFaults::mend_all() {
   lines_.mend_all();
   ring_.regroup();
   parted_ = false;
+  suspended_.clear();
   for (const NodeId node : world_.order) {
     ring_.set_cpu_reads(node, true);
     heal_now(node);
@@ -560,6 +612,10 @@ void RandomFaults::do_again(const fault::Fault& fault) {
       return alive ? freeze_or_thaw(node) : void();
     case Name::thaw:
       return alive ? void() : freeze_or_thaw(node);
+    case Name::suspend:
+      return alive ? suspend(node) : void();
+    case Name::step_clock:
+      return sim::step_clocks(ring_, fault);
     case Name::power_cycle:
       return power_cycle(node);
     case Name::not_reading:

@@ -25,6 +25,7 @@ class RandomFaults {
   struct More {
     const sim::Goal* sought = nullptr;  ///< its strikes are drawn on purpose now and then
     unsigned drift = 0;                 ///< most millionths by which a node's clock is too fast or too slow
+    bool clocks = false;                ///< clocks are set, and hosts are suspended
   };
   /// What decides a run.
   struct Origin {
@@ -101,6 +102,9 @@ class RandomFaults {
   void line_fault(wire::NodeId node);
   void part(wire::NodeId from, std::size_t nodes);
   void regroup();
+  void clock_fault();
+  void suspend_or_wake(wire::NodeId node);
+  void suspend(wire::NodeId node);
   void stand_still(wire::NodeId node);
   void stand_still(wire::NodeId node, core::Duration lasts);
   void hold_output(wire::NodeId node);
@@ -141,8 +145,10 @@ class RandomFaults {
   Draws draws_;
   Draws wide_;  ///< for wide worlds and those in parts alone: seeds of usual ones give the same runs as ever
   const SoakWorld world_;
-  Draws sought_draws_;             ///< for what is sought alone
-  const std::vector<int> drifts_;  ///< by id; empty: all clocks are right
+  Draws sought_draws_;                   ///< for what is sought alone
+  const std::vector<int> drifts_;        ///< by id; empty: all clocks are right
+  Draws clock_draws_;                    ///< for clocks alone
+  std::vector<wire::NodeId> suspended_;  ///< the nodes of a host, until it goes on
   sim::VirtualRing ring_;
   sim::Invariants invariants_;
   std::optional<sim::GoalCounts> goals_;  ///< only if somebody asks

@@ -87,6 +87,15 @@ inline Code code_of(std::uint8_t byte) {
 /// What a packet says of its source's boot number: its two low bits.
 constexpr Incarnation incarnation_of(std::uint64_t boot) { return Incarnation{static_cast<std::uint8_t>(boot & 3)}; }
 
+/// The boot number of a process that knows the last one of its node: the wall clock, or the next after the last one if
+/// that is higher, as where the clock was set back; its incarnation follows that of the last one. (ours, protocol.md
+/// section 4.8)
+/// @param wall_ns since 1970
+constexpr std::uint64_t next_boot(std::uint64_t last, std::uint64_t wall_ns) {
+  const std::uint64_t next = last + 1;
+  return wall_ns <= next ? next : (wall_ns | 3) + 1 + incarnation_of(next);
+}
+
 /// Fields of a packet as it lies in memory, from its first header byte to its last CRC byte.
 /// @pre bytes.size >= kOverhead (header fields alone: >= kHeaderSize)
 struct PacketFields {

@@ -14,7 +14,8 @@ GUARD = '30s'                 # of the ring's time, until it is whole again
 OF_LINES = dict(disturbances.OF_LINES, **disturbances.OF_UDP_LINES, cut='', stall='')
 OF_CPUS = dict(disturbances.OF_CHILD_CPUS, babble='every=1ms')
 CURED = ('hang', 'crash', 'reset')     # by the supervisor, by the node, at once
-OF_NODES = {'kill': 'start', 'freeze': 'thaw'}
+OF_NODES = {'kill': 'start', 'freeze': 'thaw', 'suspend': 'thaw'}
+STEPS = ('back=3600s', 'forward=3600s')    # of the wall clock, before a node starts anew
 
 
 def ring(redundancy):
@@ -97,9 +98,11 @@ class DrawnScenario:
 
     def node(self, node, cpus):
         kind = self.begin(sorted(OF_NODES) + ['power_cycle'])
+        if kind == 'power_cycle':
+            self.do('step_clock', '%s %s' % (name_of(node), self.chance.choice(STEPS)))
         self.do(kind, name_of(node))
         cpus.append(node)
-        if kind != 'freeze':
+        if kind not in ('freeze', 'suspend'):
             self.boots[node] = 1
         return [(OF_NODES[kind], name_of(node))] if kind in OF_NODES else []
 

@@ -54,7 +54,8 @@ TEST(FaultWords, ReadBackAsTheyWereWritten) {
        {"cut hip -> knee after_packets=100 of=ankle", "heal ankle -> hip", "stall ankle -> knee", "kill knee ankle",
         "delay hip -> knee packets=7 delay=2ms jitter=500us after=1s", "hang knee for=1s",
         "rate hip -> knee rate=10Mbit/s", "flap hip -> knee every=40ms for=400ms",
-        "drop hip -> knee packets=3 once_in=10 for=2s seed=4", "babble ankle"})
+        "drop hip -> knee packets=3 once_in=10 for=2s seed=4", "babble ankle", "suspend knee ankle for=2s",
+        "step_clock knee back=3600s", "step_clock knee forward=5ms monotonic=2ms"})
     EXPECT_EQ(to_words(from_words(text, kNodes), kNodes), text);
 }
 
@@ -74,11 +75,22 @@ TEST(FaultWords, LastForATimeIfSomethingEndsThemAndAPowerCycleEndsThem) {
   }
 }
 
+TEST(FaultWords, SayAllNodesOfAHostByItsName) {
+  RingNodes nodes = kNodes;
+  nodes[1].host = nodes[2].host = "legs";
+  EXPECT_THAT(from_words("suspend legs", nodes).nodes, ElementsAre(1, 2));
+  EXPECT_EQ(to_words(from_words("suspend legs for=2s", nodes), nodes), "suspend knee ankle for=2s");
+  nodes[0].name = "legs";
+  EXPECT_THAT(from_words("suspend legs", nodes).nodes, ElementsAre(0)) << "a node goes before a host";
+}
+
 TEST(FaultWords, ChangeTheStateOfANodeIfItAllowsThat) {
   EXPECT_EQ(after(Name::kill, Node::runs), Node::dead);
   EXPECT_EQ(after(Name::kill, Node::frozen), Node::dead);
   EXPECT_EQ(after(Name::freeze, Node::runs), Node::frozen);
+  EXPECT_EQ(after(Name::suspend, Node::runs), Node::frozen);
   EXPECT_EQ(after(Name::thaw, Node::frozen), Node::runs);
+  for (const Node node : {Node::runs, Node::frozen, Node::dead}) EXPECT_EQ(after(Name::step_clock, node), node);
   EXPECT_EQ(after(Name::start, Node::dead), Node::runs);
   EXPECT_EQ(after(Name::power_cycle, Node::runs), Node::runs);
   for (const Name name : {Name::kill, Name::freeze, Name::thaw, Name::power_cycle})
@@ -96,6 +108,7 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of("cut hip -> hip"), AllOf(HasSubstr("is not a line of the ring"), HasSubstr("hip -> knee"),
                                                   HasSubstr("its second line: hip -> ankle")));
   EXPECT_THAT(refusal_of("cut hip"), StartsWith("cut needs a line; allowed: A -> B"));
+  EXPECT_THAT(refusal_of("step_clock knee"), StartsWith("step_clock needs forward or back or monotonic"));
   EXPECT_THAT(refusal_of("kill"), StartsWith("kill needs a node; allowed: a node of the ring"));
   EXPECT_THAT(refusal_of("drop hip -> knee packet=3"), HasSubstr("did you mean 'packets'?"));
   EXPECT_THAT(refusal_of("stall hip -> knee packets=3"),

@@ -26,7 +26,7 @@ struct Power final : NodePower {
     note("on", node);
     return problem;
   }
-  void freeze(NodeId node) override { note("freeze", node); }
+  void freeze(NodeId node, bool clock_stands) override { note(clock_stands ? "suspend" : "freeze", node); }
   void thaw(NodeId node) override { note("thaw", node); }
   void note(const std::string& what, NodeId node) {
     done.push_back(what + ' ' + std::to_string(node));
@@ -111,6 +111,22 @@ TEST_F(NodeFaultsTest, AFrozenNodeIsKilledForGood) {
   ring.run_until(core::Time{} + 100ms);
   EXPECT_TRUE(faults.is_dead(NodeId{1}));
   EXPECT_THAT(power.done, ElementsAre("freeze 1", "off 1"));
+}
+
+TEST_F(NodeFaultsTest, ASuspendedNodeIsFrozenAndItsClockStands) {
+  EXPECT_EQ(begin("suspend hip for=10ms"), "");
+  EXPECT_TRUE(faults.is_frozen(NodeId{1}));
+  EXPECT_EQ(noted(1), "suspend hip for=10ms");
+  ring.run_until(core::Time{} + 100ms);
+  EXPECT_THAT(power.done, ElementsAre("suspend 1", "thaw 1"));
+}
+
+TEST_F(NodeFaultsTest, ClocksAreSetAlsoWhereTheNodeIsDead) {
+  ASSERT_EQ(begin("kill knee"), "");
+  EXPECT_EQ(begin("step_clock hip knee monotonic=3ms back=1s"), "");
+  EXPECT_EQ(ring.time_of(NodeId{1}), ring.now() + 3ms);
+  EXPECT_EQ(ring.time_of(NodeId{0}), ring.now());
+  EXPECT_EQ(noted(1), "");
 }
 
 TEST_F(NodeFaultsTest, WhatCannotBeNotedIsNotDone) {

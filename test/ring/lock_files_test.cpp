@@ -209,6 +209,17 @@ TEST_F(KilledNode, IsListedUntilAnotherDaemonHasBegunAndLookingChangesNothing) {
   EXPECT_TRUE(note_of(ring, 3_id));
 }
 
+TEST_F(KilledNode, HasAClockOfItsMachineWhichNobodySetsOnPurpose) {
+  const LiveFaults faults("legs", {fault::NamedNode{"left_knee", "3", 3_id}});
+  fault::Fault fault;
+  fault.name = fault::Name::step_clock;
+  fault.nodes = {3_id};
+  fault.back = std::chrono::seconds(1);
+  EXPECT_THAT([&] { faults.begin(fault); },
+              testing::Throws<NotDone>(
+                  testing::Property(&NotDone::what, testing::HasSubstr("clocks are those of the machine"))));
+}
+
 TEST_F(KilledNode, OfARingThatGoesOnDoesNotMakeItDead) {
   const auto held = lock_of(7);
   EXPECT_THAT(killed_rings(), IsEmpty());

@@ -44,6 +44,12 @@ TEST(OnlyVirtual, ReorderOnAStreamButNotOverUdp) {
   EXPECT_THAT(reasons(reorder, "udp"), IsEmpty());
 }
 
+TEST(OnlyVirtual, ClocksThatAreSetButNotAHostThatIsSuspended) {
+  EXPECT_THAT(reasons("steps: [{do: {step_clock: node1 back=1s}}]\n"),
+              ElementsAre(HasSubstr("live, the clocks are those of the machine")));
+  EXPECT_THAT(reasons("steps: [{do: {suspend: node1}}]\n"), IsEmpty());
+}
+
 TEST(OnlyVirtual, WhatItsAuthorSays) {
   EXPECT_THAT(reasons("only: sim\nsteps: []\n"), ElementsAre("only: sim"));
   EXPECT_THAT(refusal_of(four_nodes("only: live\nsteps: []\n")), HasSubstr("entry 'only'"));

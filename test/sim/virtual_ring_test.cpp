@@ -1,9 +1,11 @@
 // When the CPUs of a virtual ring get what is for them.
 #include "sim/virtual_ring.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "support/node_literal.h"
 
@@ -56,6 +58,114 @@ TEST(VirtualRing, ANodeThatStartsAgainHasAnotherIncarnation) {
   }
 }
 
+std::vector<unsigned> ring_sizes(VirtualRing& ring) {
+  std::vector<unsigned> sizes;
+  for (const NodeId id : ring.order()) sizes.push_back(ring.node(id).membership().ring_size());
+  return sizes;
+}
+
+// ---- clocks that are not right ------------------------------------------------------------------
+
+// A boot number comes from the wall clock; where that was set back, the next after the last one
+// (docs/protocol.md, 4.8).
+TEST(VirtualRing, ANodeWhoseWallClockIsSetBackBeginsItsNextIncarnationAllTheSame) {
+  VirtualRing ring(gigabit(3));
+  ASSERT_TRUE(ring.join());
+  const auto boot = [&] { return ring.controller(1_id).membership().boot(); };
+  const auto boots_further = [&](std::chrono::nanoseconds step) {
+    const std::uint64_t former = boot();
+    ring.step_wall_clock(1_id, step);
+    ring.kill(1_id);
+    ring.start(1_id);
+    const std::uint64_t further = boot() - former;
+    ring.run_for(10ms);
+    return further;
+  };
+  // A node that begins counts once more while its lines come up.
+  EXPECT_THAT(boots_further(-1h), testing::AllOf(testing::Ge(1u), testing::Le(2u)));
+  EXPECT_THAT(boots_further(0h), testing::AllOf(testing::Ge(1u), testing::Le(2u)));
+  EXPECT_GT(boots_further(2h), 3'600'000'000'000u);
+  EXPECT_THAT(boots_further(-1h), testing::AllOf(testing::Ge(1u), testing::Le(2u)));
+}
+
+TEST(VirtualRing, TheClockOfASuspendedNodeStandsUntilItGoesOnAndThatOfAFrozenOneDoesNot) {
+  VirtualRing ring(gigabit(4));
+  ASSERT_TRUE(ring.join());
+  const core::Time stood = ring.time_of(1_id);
+  ring.freeze(1_id, /*clock_stands=*/true);
+  ring.freeze(2_id);
+  ring.run_for(3s);
+  EXPECT_EQ(ring.time_of(1_id), stood);
+  EXPECT_EQ(ring.time_of(2_id), ring.now());
+  ring.thaw(1_id);
+  ring.thaw(2_id);
+  ring.run_for(2s);
+  EXPECT_EQ(ring.time_of(1_id), stood + 2s);
+  EXPECT_EQ(ring_sizes(ring), (std::vector<unsigned>{4, 4, 4, 4}));
+  EXPECT_EQ(ring.in_ring(1_id, stood - 1us), ring.now() - 5s - 1us) << "before it stood";
+}
+
+TEST(VirtualRing, AMonotonicClockThatSkipsMakesWhatIsDueMeanwhileDueAtOnce) {
+  VirtualRing ring(gigabit(3));
+  ASSERT_TRUE(ring.join());
+  ring.run_for(10ms);
+  ring.tap(0_id, [](const wire::Slice&, core::Time, wire::SliceWriter&) {});  // its packet is lost
+  const std::uint32_t token = ring.send(0_id, 1_id, {1, 2, 3});
+  ring.run_for(1ms);
+  ASSERT_EQ(ring.counters(0_id).timeouts, 0u);
+  ring.skip_time(0_id, ring.settings(0_id).send_timeout());
+  ring.tap(0_id, {});
+  ring.run_for(1ms);
+  EXPECT_EQ(ring.counters(0_id).timeouts, 1u);
+  const core::SendEnded* end = ring.ended(0_id, token);
+  ASSERT_NE(end, nullptr);
+  EXPECT_EQ(end->outcome, core::Outcome::delivered);
+  EXPECT_LT(end->round_trip, 1ms) << "by the ring's clock";
+}
+
+// ---- what comes in one instant ------------------------------------------------------------------
+
+/// From which lines slices come in at a node, in its order.
+struct LinesHeard final : core::Journal {
+  void goes_in(const core::Input& input, core::Time now) override {
+    if (const auto* received = std::get_if<core::input::Receive>(&input)) heard.emplace_back(now, received->line);
+  }
+  void goes_out(core::Line, wire::ByteView) override {}
+  void taken(const core::Event&, core::Time) override {}
+  void taken(const core::ReceivedPacket&, core::Time) override {}
+
+  std::vector<std::pair<core::Time, core::Line>> heard;
+};
+
+std::vector<std::pair<core::Time, core::Line>> heard_in_a_folded_ring(std::uint64_t arrivals_seed) {
+  VirtualRingOptions options = gigabit(5);
+  options.arrivals_seed = arrivals_seed;
+  options.adjust = [](core::Settings& settings) { settings.fold_back = true; };
+  VirtualRing ring(options);
+  ring.join();
+  ring.cut_cable(4_id);
+  ring.run_for(10ms);
+  LinesHeard lines;
+  ring.node(2_id).set_journal(&lines);
+  for (int round = 0; round < 50; ++round) {
+    for (const NodeId id : ring.order()) ring.send(id, wire::kBroadcast, std::vector<std::uint8_t>(512));
+    ring.run_for(100us);
+  }
+  ring.node(2_id).set_journal(nullptr);
+  return std::move(lines.heard);
+}
+
+TEST(VirtualRing, SlicesOfOneInstantComeFromTwoLinesInAnOrderThatASeedDraws) {
+  const auto fixed = heard_in_a_folded_ring(0), first = heard_in_a_folded_ring(1);
+  EXPECT_EQ(heard_in_a_folded_ring(1), first);
+  std::set<std::vector<std::pair<core::Time, core::Line>>> orders{fixed, first};
+  for (std::uint64_t seed = 2; seed < 10; ++seed) {
+    orders.insert(heard_in_a_folded_ring(seed));
+    EXPECT_EQ(orders.rbegin()->size(), fixed.size()) << "only their order is another";
+  }
+  EXPECT_GT(orders.size(), 2u);
+}
+
 // ---- lines that are gone ------------------------------------------------------------------------
 
 VirtualRingOptions noticing(unsigned nodes, Duration late) {
@@ -67,12 +177,6 @@ VirtualRingOptions noticing(unsigned nodes, Duration late) {
     settings.beacon = 1ms;
   };
   return options;
-}
-
-std::vector<unsigned> ring_sizes(VirtualRing& ring) {
-  std::vector<unsigned> sizes;
-  for (const NodeId id : ring.order()) sizes.push_back(ring.node(id).membership().ring_size());
-  return sizes;
 }
 
 TEST(VirtualRing, AnEndOfALineThatIsGoneNoticesThatInItsTime) {

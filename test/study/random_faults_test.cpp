@@ -264,6 +264,18 @@ TEST(Goals, AreMetByMoreSeedsThatSeekThem) {
   }
 }
 
+TEST(RandomFaults, BreakNoPromiseIfClocksAreSetAndHostsAreSuspended) {
+  std::random_device entropy;
+  const std::uint64_t first = std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(entropy);
+  std::cout << "seeds " << first << " to " << first + 19 << '\n';
+  for (const WorldKind world : {WorldKind::usual, WorldKind::wide, WorldKind::parts, WorldKind::storms})
+    for (std::uint64_t seed = first; seed < first + 20; ++seed) {
+      RandomFaults run(RandomFaults::Origin{seed, FoldingRings::some, world, {nullptr, 0, true}});
+      run.run();
+      EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
+    }
+}
+
 // Nothing that the ring promises rests on equal clocks. 1 % is a hundred times what a cheap crystal is off by.
 TEST(RandomFaults, BreakNoPromiseIfClocksDrift) {
   std::random_device entropy;

@@ -312,7 +312,7 @@ class Shown {
     const bool ends = fault.name == Name::heal || fault.name == Name::resume || fault.name == Name::reset ||
                       fault.name == Name::start || fault.name == Name::thaw || fault.name == Name::power_cycle;
     if (ends) forget_faults(id, fault::word_of(fault.name).of);
-    if (ends || fault.name == Name::crash) return;
+    if (ends || fault.name == Name::crash || fault.name == Name::step_clock) return;
     fault::Fault one = fault;
     one.nodes = {id};
     const core::Time until = fault.lasts.count() != 0 ? ring().now() + core::Duration(fault.lasts) : core::kNever;

@@ -31,7 +31,8 @@ struct SoakOptions {
   bool hashes = false;
   bool list_goals = false, require_goals = false;
   bool seek_unmet = false;
-  unsigned drift = 0;               ///< ppm
+  unsigned drift = 0;  ///< ppm
+  bool clocks = false;
   std::vector<std::size_t> sought;  ///< places in sim::goals(); seeds take them in turn
   app::Format format = app::Format::text;
 };
@@ -141,7 +142,8 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, c
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
          "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
-         world_options(options.folding, world_for(sought, options.world), options.drift, sought) + "\n";
+         world_options(options.folding, world_for(sought, options.world), options.drift, sought) +
+         (options.clocks ? " --clocks" : "") + "\n";
 }
 
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
@@ -200,8 +202,8 @@ class Soak {
   bool run_seed(std::uint64_t seed) {
     seeking_.learn(tally_, seed);
     const sim::Goal* goal = seeking_.goal_of(seed);
-    study::RandomFaults faults(
-        study::RandomFaults::Origin{seed, options_.folding, world_for(goal, options_.world), {goal, options_.drift}});
+    study::RandomFaults faults(study::RandomFaults::Origin{
+        seed, options_.folding, world_for(goal, options_.world), {goal, options_.drift, options_.clocks}});
     faults.count_goals();
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
@@ -332,6 +334,9 @@ void add_soak(CLI::App& app, Context& context) {
   add_seeds(*command, *options);
   add_folding(*command, options->folding, "mixed: a third of the rings folds back (default); foldback: all of them");
   add_world(*command, options->world, options->drift);
+  command->add_flag("--clocks", options->clocks,
+                    "Now and then a node's wall clock is set by up to an hour, its monotonic clock skips a time, or a "
+                    "host is suspended: all its nodes stand still, and their monotonic clocks too");
   add_shrink(*command, *options);
   add_goals(*command, *options);
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");

@@ -48,7 +48,7 @@ struct FaultOptions {
 fault::RingNodes nodes_by_id(const RingAccess& ring) {
   fault::RingNodes nodes;
   for (const NodeName& node : ring.nodes())
-    nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
+    nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}, node.host});
   return nodes;
 }
 
@@ -94,7 +94,7 @@ fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, boo
 class Interruption {
  public:
   explicit Interruption(const fault::Fault& fault) {
-    if (fault.name == fault::Name::freeze && fault.lasts.count() != 0) signals_.emplace();
+    if (fault::freezes(fault.name) && fault.lasts.count() != 0) signals_.emplace();
   }
   LiveFaults::Wait wait() {
     if (!signals_) return {};
@@ -189,9 +189,9 @@ std::string help_of(const fault::KeyWord& key, const fault::Word& word) {
 
 /// "ringctl fault flap left_hip:left_knee --every 200ms"
 std::string example_of(const fault::Word& word) {
-  const std::map<fault::Key, std::string> values{{fault::kDelay, "5ms"},     {fault::kJitter, "5ms"},
-                                                 {fault::kRate, "10Mbit/s"}, {fault::kEvery, "200ms"},
-                                                 {fault::kPackets, "3"},     {fault::kFor, "2s"}};
+  const std::map<fault::Key, std::string> values{
+      {fault::kDelay, "5ms"}, {fault::kJitter, "5ms"}, {fault::kRate, "10Mbit/s"}, {fault::kEvery, "200ms"},
+      {fault::kPackets, "3"}, {fault::kFor, "2s"},     {fault::kForward, "1s"}};
   std::string text = std::string("ringctl fault ") + word.word;
   text += word.of == fault::Of::line ? " left_hip:left_knee" : " left_knee";
   std::vector<fault::KeyWord> keys = fault::needed_keys_of(word);

@@ -35,7 +35,8 @@ E from_word(const std::string& word, E last) {
 fault::RingNodes nodes_by_place(const config::RingConfig& ring) {
   fault::RingNodes nodes;
   for (const config::NodeConfig& node : ring.nodes)
-    nodes.push_back({node.name, std::to_string(node.id), static_cast<NodeId>(nodes.size())});
+    nodes.push_back(
+        {node.name, std::to_string(node.id), static_cast<NodeId>(nodes.size()), fault::host_name(ring, node)});
   return nodes;
 }
 

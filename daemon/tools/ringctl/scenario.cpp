@@ -36,6 +36,7 @@ app::Row row_of(const scenario::ScenarioRun& run) {
   app::Row row{{"file", run.path},
                {"scenario", run.name},
                {"seed", run.seed},
+               {"order", run.order},
                {"met", !run.unmet.has_value()},
                {"clock", run.live ? "live" : "virtual"},
                {"lasted_ns", run.lasted.count()}};
@@ -62,6 +63,8 @@ struct ScenarioOptions {
   std::vector<std::string> files;
   std::string junit, capture, perfetto, html;
   std::optional<std::uint64_t> seed;
+  std::optional<std::uint32_t> order;
+  std::uint32_t orders = 1;
   std::string transport, log;
   bool live = false, json = false, outputs = false;
   bool with_programs = false, scenario_cpus = false;  ///< under the virtual clock
@@ -162,6 +165,30 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
   return run_scenario(scenario, seed, capture, at, [&signals] { throw_if_interrupted(signals); });
 }
 
+/// The run of the first order that fails, or of the last that is tried.
+ScenarioRun play_orders(Scenario scenario, const ScenarioOptions& options, std::ostream* capture,
+                        std::string& log_problem, process::SignalWait& signals) {
+  std::uint32_t& order = scenario.ring.virtual_clock.order;
+  const std::uint32_t first = order = options.order.value_or(options.orders > 1 ? 1 : order);
+  Progress progress;
+  for (;;) {
+    ScenarioRun run = play(scenario, options, capture, log_problem, signals);
+    if (run.unmet || order - first + 1 >= options.orders) return run;
+    progress.tell(scenario.path + ": as expected in order " + std::to_string(order));
+    throw_if_interrupted(signals);
+    ++order;
+  }
+}
+
+/// "orders 1 to 50: all as expected", or which is the first that is not.
+std::string orders_text(const ScenarioRun& run, const ScenarioOptions& options) {
+  if (options.orders == 1) return "";
+  const std::string first = std::to_string(options.order.value_or(1)), last = std::to_string(run.order);
+  return run.unmet ? "order " + last + " is the first of those from " + first +
+                         " on that is not as expected; again with --order " + last + "\n"
+                   : "orders " + first + " to " + last + ": all as expected\n";
+}
+
 /// What is whole only when all have been run: JSON and JUnit. @throw NotDone if it cannot be written
 void report(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit,
             const std::vector<Scenario>& scenarios, const std::string& stopped = {}) {
@@ -219,8 +246,8 @@ int run(const ScenarioOptions& options) {
   try {
     for (const Scenario& scenario : scenarios) {
       throw_if_interrupted(signals);
-      runs.push_back(play(scenario, options, capture_to, log_problem, signals));
-      if (!options.json) std::cout << text_of(runs.back()) << std::endl;
+      runs.push_back(play_orders(scenario, options, capture_to, log_problem, signals));
+      if (!options.json) std::cout << text_of(runs.back()) << orders_text(runs.back(), options) << std::endl;
     }
     if (!options.perfetto.empty()) app::write_timeline(capture, captured, "the run");
     if (!options.html.empty()) app::write_states(capture, runs[0].name, captured, text_of(runs[0]), runs[0].lasted);
@@ -257,6 +284,25 @@ void add_rings(CLI::App& command, ScenarioOptions& options) {
       ->needs(live);
 }
 
+void add_orders(CLI::App& command, ScenarioOptions& options) {
+  CLI::Option* live = command.get_option("--live");
+  command
+      .add_option("--order", options.order,
+                  "Not live: seed of the order of what happens in one instant, 1 to 1000000; 0: a fixed order")
+      ->transform(cli::whole(0, 1'000'000))
+      ->excludes(live);
+  command
+      .add_option(
+          "--orders", options.orders,
+          "Not live: try so many of these seeds, 1 to 10000, from --order (default 1) on, and stop at the first "
+          "with which an expectation is not met")
+      ->transform(cli::whole(1, 10'000))
+      ->excludes(live)
+      ->excludes(command.get_option("--capture"))
+      ->excludes(command.get_option("--perfetto"))
+      ->excludes(command.get_option("--html"));
+}
+
 void add_outputs(CLI::App& command, ScenarioOptions& options) {
   command.add_option("--junit", options.junit, "Write JUnit XML there");
   CLI::Option* capture =
@@ -280,6 +326,7 @@ void add_run(CLI::App& scenario, Context& context) {
   command->add_option("FILE", options->files, "Scenarios, YAML")->required();
   add_rings(*command, *options);
   add_outputs(*command, *options);
+  add_orders(*command, *options);
   command->add_option("--seed", options->seed, "Seed, instead of the one in each file")
       ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
   add_json(*command, options->json);
