@@ -193,8 +193,7 @@ const Section<VirtualClockConfig>& virtual_clock_section() {
                   "Real time. A CPU that takes longer over its turn is stuck, and the ring goes on without it."),
       integer_option("seed", &VirtualClockConfig::seed, {0, 1000000}, "Seed of the CPUs' jitter."),
       integer_option("order", &VirtualClockConfig::order, {0, 1000000},
-                     "Seed of the order of what happens in one instant: CPUs act one after the other, and packets come "
-                     "in from two lines, in an order that it draws. 0: a fixed order, and CPUs act side by side."),
+                     "Seed of the order in which CPUs act in one instant, one after the other. 0: side by side."),
   };
   return section;
 }

@@ -139,7 +139,6 @@ sim::VirtualRingOptions options_of(const config::RingConfig& ring) {
   sim::VirtualRingOptions options;
   options.order = setup::order_of(ring);
   options.keep_logs = false;
-  options.arrivals_seed = ring.virtual_clock.order;
   options.adjust = [&ring](core::Settings& settings) { settings = settings_of(ring, settings); };
   return options;
 }

@@ -342,9 +342,9 @@ const Section<Scenario>& scenario_section() {
          scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));
        }},
       {"order", "that of the ring's file, or 0", config::allowed(kOrders),
-       "Seed of the order of what happens in one instant under the virtual clock: programs act one after the other, "
-       "and "
-       "packets come in from two lines, in an order that it draws. 0: a fixed order.",
+       "With programs under the virtual clock: seed of the order in which they act in one instant, one after the "
+       "other. "
+       "0: side by side.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.ring.virtual_clock.order = static_cast<std::uint32_t>(read_integer(entry, kOrders));
        }},

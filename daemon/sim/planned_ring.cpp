@@ -31,7 +31,6 @@ std::unique_ptr<WatchedRing> planned_ring(const RingConfig& ring, const std::vec
   options.nodes = static_cast<unsigned>(ring.nodes.size());
   options.keep_logs = false;
   options.adjust = [&ring](core::Settings& settings) { adjust(ring, settings); };
-  options.arrivals_seed = ring.virtual_clock.order;
   if (!drifts.empty()) options.drift = [drifts](NodeId place) { return drifts[place]; };
   return std::make_unique<WatchedRing>(options);
 }

@@ -41,7 +41,6 @@ class Run {
     result_.path = scenario.path;
     result_.seed = seed;
     result_.live = !stage.exact();
-    if (!result_.live) result_.order = scenario.ring.virtual_clock.order;
   }
 
   ScenarioRun run() {

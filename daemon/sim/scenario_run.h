@@ -41,7 +41,7 @@ struct RunTrace {
 struct ScenarioRun {
   std::string name, path;
   std::uint64_t seed = 0;
-  std::uint32_t order = 0;  ///< of what happens in one instant (VirtualClockConfig)
+  std::uint32_t order = 0;  ///< in which programs act in one instant (VirtualClockConfig); 0: none was drawn
   bool live = false;
   std::optional<RunTrace> trace;  ///< with real programs under a virtual clock
   std::vector<LogLine> log;

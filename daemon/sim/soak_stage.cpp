@@ -21,7 +21,6 @@ std::unique_ptr<sim::VirtualRing> soak_ring(const Scenario& scenario) {
   options.byte_time = setup::byte_time(link);
   options.relay_delay = link.whole_delay();
   options.keep_logs = false;
-  options.arrivals_seed = scenario.ring.virtual_clock.order;
   options.adjust = [paced = link.rate != 0, fold_back](core::Settings& settings) {
     sim::set_short_times(settings, paced, fold_back);
   };

@@ -30,7 +30,7 @@ void let_drift(core::Settings& s, int ppm) {
 }
 
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
-    : options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)), arrivals_(options.arrivals_seed) {
+    : options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)) {
   if (options_.order.empty())
     for (unsigned id = 0; id < options.nodes; ++id) options_.order.push_back(static_cast<NodeId>(id));
   for (unsigned id = 0; id < size(); ++id) make_node(static_cast<NodeId>(id));  // also for ids that no node has
@@ -190,24 +190,10 @@ bool VirtualRing::joined() const {
 void VirtualRing::step() {
   now_ = next_instant();
   act();
-  if (options_.arrivals_seed != 0 && settings(order().front()).fold_back)
-    deliver_drawn();
-  else
-    for (DelayLine& delay_line : delay_lines_)
-      while (delay_line.next() == now_) deliver(delay_line.pop());
+  for (DelayLine& delay_line : delay_lines_)
+    while (delay_line.next() == now_) deliver(delay_line.pop());
   wakes_.each_at(now_, [this](unsigned id) { touch(static_cast<NodeId>(id)); });
   settle_touched();
-}
-
-// What comes on one line keeps its order. Nothing leaves meanwhile, so what was popped stays where it is.
-void VirtualRing::deliver_drawn() {
-  arriving_.clear();
-  for (DelayLine& delay_line : delay_lines_)
-    while (delay_line.next() == now_) arriving_.push_back(&delay_line.pop());
-  const Line first = arrivals_() % 2 == 0 ? Line::first : Line::second;
-  for (const bool is_first : {true, false})
-    for (const DelayLine::Arrival* arrival : arriving_)
-      if ((arrival->line == first) == is_first) deliver(*arrival);
 }
 
 void VirtualRing::act() {

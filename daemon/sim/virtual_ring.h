@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <queue>
-#include <random>
 #include <vector>
 
 #include "config/fault.h"
@@ -25,8 +24,6 @@ struct VirtualRingOptions {
   Duration relay_delay = std::chrono::nanoseconds(512);  ///< d: line and NC, before the Packet Manager
   bool start = true;                                     ///< false: nodes stay dead until start()
   bool keep_logs = true;                                 ///< false: events and packets go to the callbacks only
-  /// Of the order in which packets come in one instant from two lines; 0: in that in which they left.
-  std::uint64_t arrivals_seed = 0;
   /// How long it takes until the ends of a line know each other, drawn for each end; null: no time.
   std::function<Duration()> connecting;
   /// How long it takes until an end of a line that is gone notices that, drawn for each end; null: no time. A line is
@@ -334,7 +331,6 @@ class VirtualRing {
   void touch(NodeId id) { touched_.insert(id); }
   void step();
   void act();
-  void deliver_drawn();
   void deliver(const DelayLine::Arrival& arrival);
   bool joined() const;
   void settle_touched();
@@ -358,8 +354,6 @@ class VirtualRing {
   std::priority_queue<Action, std::vector<Action>, std::greater<Action>> actions_;
   std::vector<Observer*> observers_;
   wire::SliceWriter tapped_, of_guest_;
-  std::mt19937_64 arrivals_;
-  std::vector<const DelayLine::Arrival*> arriving_;
 };
 
 }  // namespace limb_ring::sim

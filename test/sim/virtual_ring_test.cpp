@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <set>
 
 #include "support/node_literal.h"
 
@@ -121,49 +120,6 @@ TEST(VirtualRing, AMonotonicClockThatSkipsMakesWhatIsDueMeanwhileDueAtOnce) {
   ASSERT_NE(end, nullptr);
   EXPECT_EQ(end->outcome, core::Outcome::delivered);
   EXPECT_LT(end->round_trip, 1ms) << "by the ring's clock";
-}
-
-// ---- what comes in one instant ------------------------------------------------------------------
-
-/// From which lines slices come in at a node, in its order.
-struct LinesHeard final : core::Journal {
-  void goes_in(const core::Input& input, core::Time now) override {
-    if (const auto* received = std::get_if<core::input::Receive>(&input)) heard.emplace_back(now, received->line);
-  }
-  void goes_out(core::Line, wire::ByteView) override {}
-  void taken(const core::Event&, core::Time) override {}
-  void taken(const core::ReceivedPacket&, core::Time) override {}
-
-  std::vector<std::pair<core::Time, core::Line>> heard;
-};
-
-std::vector<std::pair<core::Time, core::Line>> heard_in_a_folded_ring(std::uint64_t arrivals_seed) {
-  VirtualRingOptions options = gigabit(5);
-  options.arrivals_seed = arrivals_seed;
-  options.adjust = [](core::Settings& settings) { settings.fold_back = true; };
-  VirtualRing ring(options);
-  ring.join();
-  ring.cut_cable(4_id);
-  ring.run_for(10ms);
-  LinesHeard lines;
-  ring.node(2_id).set_journal(&lines);
-  for (int round = 0; round < 50; ++round) {
-    for (const NodeId id : ring.order()) ring.send(id, wire::kBroadcast, std::vector<std::uint8_t>(512));
-    ring.run_for(100us);
-  }
-  ring.node(2_id).set_journal(nullptr);
-  return std::move(lines.heard);
-}
-
-TEST(VirtualRing, SlicesOfOneInstantComeFromTwoLinesInAnOrderThatASeedDraws) {
-  const auto fixed = heard_in_a_folded_ring(0), first = heard_in_a_folded_ring(1);
-  EXPECT_EQ(heard_in_a_folded_ring(1), first);
-  std::set<std::vector<std::pair<core::Time, core::Line>>> orders{fixed, first};
-  for (std::uint64_t seed = 2; seed < 10; ++seed) {
-    orders.insert(heard_in_a_folded_ring(seed));
-    EXPECT_EQ(orders.rbegin()->size(), fixed.size()) << "only their order is another";
-  }
-  EXPECT_GT(orders.size(), 2u);
 }
 
 // ---- lines that are gone ------------------------------------------------------------------------

@@ -148,6 +148,7 @@ scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint
   const LetThrough signals_for_stage(signals);
   scenario::ScenarioRun run = run_scenario(scenario, seed, stage);
   run.trace = stage.trace();
+  run.order = ring.virtual_clock.order;
   if (play.log_problem != nullptr && !log_problem->empty()) *play.log_problem = *log_problem;
   return run;
 }

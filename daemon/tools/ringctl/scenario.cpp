@@ -285,19 +285,19 @@ void add_rings(CLI::App& command, ScenarioOptions& options) {
 }
 
 void add_orders(CLI::App& command, ScenarioOptions& options) {
-  CLI::Option* live = command.get_option("--live");
+  CLI::Option* with_programs = command.get_option("--virtual");
   command
       .add_option("--order", options.order,
-                  "Not live: seed of the order of what happens in one instant, 1 to 1000000; 0: a fixed order")
+                  "With --virtual: seed of the order in which programs act in one instant, one after the other, 1 to "
+                  "1000000; 0: side by side")
       ->transform(cli::whole(0, 1'000'000))
-      ->excludes(live);
+      ->needs(with_programs);
   command
-      .add_option(
-          "--orders", options.orders,
-          "Not live: try so many of these seeds, 1 to 10000, from --order (default 1) on, and stop at the first "
-          "with which an expectation is not met")
+      .add_option("--orders", options.orders,
+                  "With --virtual: try so many of these seeds, 1 to 10000, from --order (default 1) on, and stop at "
+                  "the first with which an expectation is not met")
       ->transform(cli::whole(1, 10'000))
-      ->excludes(live)
+      ->needs(with_programs)
       ->excludes(command.get_option("--capture"))
       ->excludes(command.get_option("--perfetto"))
       ->excludes(command.get_option("--html"));
