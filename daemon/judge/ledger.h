@@ -99,6 +99,7 @@ struct Sent {
   Time ended_at{};
   core::SendEnded end;
   bool in_doubt = false;            ///< whether it has come home cannot be told
+  bool clock_stood = false;         ///< of its source, meanwhile: when it ended cannot be told, nor how long it took
   unsigned unread = 0;              ///< receive buffers in which it lies
   std::vector<Decision> decisions;  ///< in the order in which they were made
   std::size_t decided_from = 0;     ///< those before are on earlier packets of it, which were refused
@@ -124,8 +125,8 @@ struct Sent {
     a("attempts", attempts)("may_have_failed", may_have_failed)("last_try", last_try)("home_at", home_at);
     a("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
     a("first_refused", first_refused)("refused_at", refused_at)("ended", ended)("ended_at", ended_at)("end", end);
-    a("in_doubt", in_doubt)("unread", unread)("decisions", decisions)("decided_from", decided_from)(
-        "has_twin", has_twin)("may_be_taken", may_be_taken);
+    a("in_doubt", in_doubt)("clock_stood", clock_stood)("unread", unread)("decisions", decisions)(
+        "decided_from", decided_from)("has_twin", has_twin)("may_be_taken", may_be_taken);
   }
 };
 
@@ -200,6 +201,8 @@ class Ledger {
   const Sent* end(NodeId source, const core::SendEnded& end, Time at);
   /// `node` has restarted, with an empty memory: a copy that a line has held back it may take again.
   void start(NodeId node, Time now);
+  /// The clock of `source` stood: its host was suspended.
+  void clock_stood(NodeId source);
   /// A line has released what it held back: of earlier sends a second copy may be under way.
   void line_released(Time now) { released_ = now; }
   /// Judges what could not be judged in its own instant.

@@ -56,13 +56,13 @@ bool ResultJudge::receiver_forgot() const {
 }
 
 const char* ResultJudge::against_delivered() const {
-  if (!home()) return ", and it did not come home then";
+  if (!home() && !sent_.clock_stood) return ", and it did not come home then";
   return is_taken(sent_.home_fbc) ? nullptr : ", and it came home untaken";
 }
 
 const char* ResultJudge::against_refused() const {
   if (sent_.repeated) return ", and some try had been repeated";
-  const bool came_refused = home() && sent_.home_fbc == 0;
+  const bool came_refused = (home() || sent_.clock_stood) && sent_.home_fbc == 0;
   if (sent_.interrupt() || sent_.destination == wire::kBroadcast)
     return came_refused ? nullptr : ", and it did not come home refused";
   if (sent_.first_refused == core::kNever) return ", and it never came home refused";
@@ -72,7 +72,7 @@ const char* ResultJudge::against_refused() const {
 }
 
 const char* ResultJudge::against_no_such_node() const {
-  if (!home()) return ", and it did not come home then";
+  if (!home() && !sent_.clock_stood) return ", and it did not come home then";
   if (sent_.home_fbc != wire::kFbcUntaken) return ", and somebody had answered";
   return sent_.repeated ? ", and some try had been repeated" : nullptr;
 }

@@ -121,6 +121,7 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   NodeRecord& n = record_.at(node);
   if (incident == Incident::resumed) n.forwarding.released(now);
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
+  if (incident == Incident::frozen && record_.ring.clock_stands(node)) record_.ledger.clock_stood(node);
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
   if (incident == Incident::thawed) n.history.thawed = now;
   if (incident == Incident::output_replaced) {

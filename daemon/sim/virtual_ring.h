@@ -65,6 +65,8 @@ class VirtualRing {
   /// What the monotonic clock of a node shows, by which its controller lives: that of the ring, but for the times that
   /// it stood, or has skipped. All that observers and callbacks are told is of the ring's clock.
   Time time_of(NodeId id) const { return now_ + ahead(id); }
+  /// The host of the node is suspended.
+  bool clock_stands(NodeId id) const { return nodes_[id].stands_since != core::kNever; }
   /// By how much it is ahead of the ring's; below 0 behind it.
   Duration ahead(NodeId id) const {
     const Node& n = nodes_[id];

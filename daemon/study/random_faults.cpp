@@ -364,9 +364,8 @@ void RandomFaults::line_fault(NodeId node) {
   lines_.begin(fault);
 }
 
-// A monotonic clock skips no more than a node may stand still, see stand_still(), and at least a packet: within one,
-// the node has timed ahead when it ends. The judge of round trips does not follow that, and on the lines of wide worlds
-// not at all. A wall clock is set by up to an hour; one life moves it by 4.3 s.
+// A wall clock is set by up to an hour; one life moves it by 4.3 s. No monotonic clock skips a time here: all that
+// judges a ring measures spans by the ring's clock.
 void RandomFaults::clock_fault() {
   const NodeId node = world_.order[clock_draws_.below(world_.nodes)];
   fault::Fault fault;
@@ -379,12 +378,7 @@ void RandomFaults::clock_fault() {
     case 1:
       fault.back = 1s * (1 + clock_draws_.below(3600));
       break;
-    case 2:
-      if (world_.is_wide) return suspend_or_wake(node);
-      fault.monotonic = core::whole_nanoseconds(2 * ring_.settings(node).byte_time_in * wire::kMaxDataPacketSize) +
-                        1ns * (1 + clock_draws_.below(longest_hold(node, world_.doubles ? 32 : 16)));
-      break;
-    case 3:
+    default:
       return suspend_or_wake(node);
   }
   history_.add(fault);

@@ -264,14 +264,17 @@ TEST(Goals, AreMetByMoreSeedsThatSeekThem) {
   }
 }
 
-// Seeds that are known, not new ones: docs/explanation/soak.md says what of 1,335 is open.
+// The last two raised false alarms: a send came home as its host was suspended, and was told of later.
 TEST(RandomFaults, BreakNoPromiseIfClocksAreSetAndHostsAreSuspended) {
+  const auto expect_none = [](std::uint64_t seed, WorldKind world) {
+    RandomFaults run(RandomFaults::Origin{seed, FoldingRings::some, world, {nullptr, 0, true}});
+    run.run();
+    EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
+  };
   for (const WorldKind world : {WorldKind::usual, WorldKind::wide, WorldKind::parts, WorldKind::storms})
-    for (std::uint64_t seed = 5000; seed < 5020; ++seed) {
-      RandomFaults run(RandomFaults::Origin{seed, FoldingRings::some, world, {nullptr, 0, true}});
-      run.run();
-      EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
-    }
+    for (std::uint64_t seed = 5000; seed < 5020; ++seed) expect_none(seed, world);
+  expect_none(5141, WorldKind::usual);
+  expect_none(5190, WorldKind::storms);
 }
 
 // Nothing that the ring promises rests on equal clocks. 1 % is a hundred times what a cheap crystal is off by.

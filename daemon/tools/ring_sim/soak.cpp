@@ -335,8 +335,8 @@ void add_soak(CLI::App& app, Context& context) {
   add_folding(*command, options->folding, "mixed: a third of the rings folds back (default); foldback: all of them");
   add_world(*command, options->world, options->drift);
   command->add_flag("--clocks", options->clocks,
-                    "Now and then a node's wall clock is set by up to an hour, its monotonic clock skips a time, or a "
-                    "host is suspended: all its nodes stand still, and their monotonic clocks too");
+                    "Now and then a node's wall clock is set by up to an hour, or a host is suspended: all its nodes "
+                    "stand still, and their monotonic clocks too");
   add_shrink(*command, *options);
   add_goals(*command, *options);
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
