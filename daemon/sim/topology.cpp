@@ -304,7 +304,7 @@ void VirtualRing::resume(NodeId id) {
   if (!paused(id)) return;
   nodes_[id].paused = false;
   tell(id, Incident::resumed);
-  if (nodes_[id].guest == nullptr && nodes_[id].controller->has_output(now_)) give_out(id);
+  if (nodes_[id].guest == nullptr && nodes_[id].controller->has_output(time_of(id))) give_out(id);
   std::vector<DelayLine::Arrival> waiting;
   waiting.swap(nodes_[id].waiting);
   for (const DelayLine::Arrival& arrival : waiting) deliver(arrival);
