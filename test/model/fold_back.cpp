@@ -55,7 +55,7 @@ void FoldBack::tell_nc(Time now) {
 
 void FoldBack::input_up(Line line, int from, Time now) {
   lines_[static_cast<std::size_t>(line)].from = from;
-  if (line == Line::second) return;
+  if (line == Line::second) return decide_output(now);  // its DATP may just have ended
   upstream_ = from;
   input_ = Half::between;
   has_spoken_ = false;

@@ -143,7 +143,8 @@ TEST(Model, aCoreDoesWhatTheSpecificationSaysInHistoriesThatOnceShowedSomething)
   // Rings that fall into parts.
   for (const std::uint64_t seed : {700115, 700273, 2001000048, 2001000117})
     compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::parts);
-  compare(5200001049, tally, RandomFaults::FoldBack::some, RandomFaults::World::storms);
+  for (const std::uint64_t seed : {5200001049, 5300000396})
+    compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::storms);
 }
 
 // MODEL_SEEDS=N runs so many, MODEL_FIRST=N from that one on, MODEL_FOLD=1 on rings that all fold back,
