@@ -25,7 +25,7 @@ class OwnSensors(unittest.TestCase):
         self.log = rospy.Subscriber('/rosout', Log, lambda entry: self.said.append(entry.msg))
         self.diagnosed = {}   # what /diagnostics warns of, by node
         self.diagnostics = rospy.Subscriber('/diagnostics', DiagnosticArray, self.take)
-        wait_for(lambda: self.log.get_num_connections() > 1, 'the log of the bridges')
+        wait_for(lambda: self.log.get_num_connections() > 2, 'the log of both bridges, and our own')
 
     def tearDown(self):
         self.log.unregister()
