@@ -7,7 +7,7 @@
 
 namespace limb_ring::comparison {
 
-/// Path of gnuplot. @throw std::runtime_error if there is none; says what to install
+/// Path of gnuplot. @throw std::runtime_error if it is not installed; says what to install
 std::string find_gnuplot();
 
 /// Lets gnuplot draw `script`, a file in `folder`; what it reads and writes are names in that folder.

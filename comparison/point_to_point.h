@@ -106,7 +106,7 @@ class SendQueues {
   std::size_t head(NodeId node, Time now);
   /// Bytes of that message which were not taken yet.
   unsigned remaining(std::size_t message) const { return remaining_[message]; }
-  /// Takes at most so many bytes of a head. @return true if nothing of it is left
+  /// Takes up to `most` bytes of a message. @return true if all of it is taken now
   bool take(std::size_t message, unsigned most);
   /// When the next message is asked for that no head() has seen yet; core::kNever: none.
   Time next_asked() const;

@@ -161,8 +161,8 @@ void append(Bytes& out, const CapturedView& message);
 void append(Bytes& out, const limb_ring::CaptureCounts& message);
 void append(Bytes& out, const Turn& message);
 
-/// Nothing if the frame is none of that direction, too short, too long, or holds a value that
-/// its field may not have, or for a client JSON that is nested too deep. JSON for the daemon, destinations, priorities
+/// Nothing if no message of that direction is such a frame: it is too short, too long, or holds a value that its field
+/// may not have; or, for a client, JSON that is nested too deep. JSON for the daemon, destinations, priorities
 /// and sizes of a SendRequest are not judged here: they deserve an answer with a reason (arguments.h).
 std::optional<ToDaemon> decode_to_daemon(const Frame& frame);
 std::optional<ToClient> decode_to_client(const Frame& frame);

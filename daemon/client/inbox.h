@@ -87,8 +87,7 @@ class Pending {
 
 /// {"error": "..."}
 std::string error_json(const std::string& reason);
-/// The text of an error reply, empty if `json` is none. A failed reply has "error" as its first
-/// member; nothing else does.
+/// The text of an error reply; empty if `json` is another reply. Only an error reply has "error" as its first member.
 std::string error_of(const std::string& json);
 
 }  // namespace limb_ring::client

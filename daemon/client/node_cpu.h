@@ -138,7 +138,7 @@ class NodeCpu {
   NodeCpu(NodeSetup setup, bool at_once, const Timestamps& now);
 
   void moved_by(JointNode::Step step) { limb_.moved_by(std::move(step)); }
-  /// @throw std::invalid_argument naming the sensors, if there is none of that name
+  /// @throw std::invalid_argument if no sensor has that name; it names those that there are
   void measured_by(const std::string& sensor, std::function<SensorValues()> measure);
   /// The first sensor that nobody measures, and that no topic gives values; empty: none.
   std::string unmeasured() const;

@@ -234,7 +234,7 @@ void check_traffic(const Entry& file, const RingConfig& ring, Problems& problems
   }
 }
 
-/// The cure is an INTP to a reset pin: ordering it if there is none would only use up the tries.
+/// The cure is an INTP to a reset pin. Without such a pin, ordering it would only use up the tries.
 void check_supervisor(const Entry& file, const RingConfig& ring, Problems& problems) {
   if (ring.supervisor.policy != SupervisorConfig::Policy::automatic) return;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)

@@ -342,9 +342,8 @@ const Section<Scenario>& scenario_section() {
          scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));
        }},
       {"order", "that of the ring's file, or 0", config::allowed(kOrders),
-       "With programs under the virtual clock: seed of the order in which they act in one instant, one after the "
-       "other. "
-       "0: side by side.",
+       "With programs under the virtual clock: seed of the order in which they act in one instant, one after "
+       "the other. 0: side by side.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.ring.virtual_clock.order = static_cast<std::uint32_t>(read_integer(entry, kOrders));
        }},

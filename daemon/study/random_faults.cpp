@@ -411,10 +411,12 @@ unsigned RandomFaults::longest_hold(NodeId node, int share) const {
   return static_cast<unsigned>(ring_.settings(node).send_timeout() / share / 1ns);
 }
 
-// The node stands still for at most as long as a line may hold back, for the same reason: see line_fault().
-void RandomFaults::stand_still(NodeId node) {
-  stand_still(node, Duration{1ns} * (1 + wide_.below(longest_hold(node, world_.doubles ? 32 : 16))));
+// At most as long as a line may hold back, for the same reason: see line_fault().
+Duration RandomFaults::hold(NodeId node) {
+  return Duration{1ns} * (1 + wide_.below(longest_hold(node, world_.doubles ? 32 : 16)));
 }
+
+void RandomFaults::stand_still(NodeId node) { stand_still(node, hold(node)); }
 
 void RandomFaults::stand_still(NodeId node, Duration lasts) {
   history_.add(WorldAction{WorldAction::Kind::stand_still, node, 0, lasts});
@@ -424,7 +426,7 @@ void RandomFaults::stand_still(NodeId node, Duration lasts) {
 
 void RandomFaults::hold_output(NodeId node) {
   if (!ring_.alive(node)) return;
-  hold_output(node, Duration{1ns} * (1 + wide_.below(longest_hold(node, world_.doubles ? 32 : 16))));
+  hold_output(node, hold(node));
 }
 
 void RandomFaults::hold_output(NodeId node, Duration lasts) {

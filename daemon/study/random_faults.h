@@ -115,6 +115,7 @@ class RandomFaults {
   void reset_cpu(wire::NodeId node);
   /// Nanoseconds: that part of the time-out of a try.
   unsigned longest_hold(wire::NodeId node, int share) const;
+  core::Duration hold(wire::NodeId node);
   void cut(wire::NodeId node);
   void heal(wire::NodeId node);
   void heal_now(wire::NodeId node) { world_.folds_back ? ring_.heal_cable(node) : ring_.heal(node); }

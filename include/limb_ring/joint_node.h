@@ -115,7 +115,7 @@ class JointNode {
 
   /// Moves the joints: once before each sample of their state, at setup().state_rate.
   void on_step(Step step);
-  /// Measures. @throw std::invalid_argument naming the sensors, if this node has none of that name
+  /// Measures. @throw std::invalid_argument if no sensor of this node has that name; it names those that it has
   void on_sensor(const std::string& name, std::function<SensorValues()> measure);
   /// A packet that is not joint data. @return true: it is for this CPU; false: it is counted as ignored
   void on_packet(std::function<bool(const Packet&)> take);

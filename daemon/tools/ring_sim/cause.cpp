@@ -14,18 +14,15 @@ namespace limb_ring::ring_sim {
 namespace {
 
 struct CauseOptions {
-  std::uint64_t seed = 0;
-  study::FoldingRings folding = study::FoldingRings::some;
-  study::WorldKind world = study::WorldKind::usual;
-  unsigned drift = 0;                 ///< ppm
-  const sim::Goal* sought = nullptr;  ///< that the seed has sought
+  study::RandomFaults::Origin origin{};
   std::string out;
 };
 
 /// @throw UsageError
 void check(const CauseOptions& options) {
-  const bool usual = world_for(options.sought, options.world) == study::WorldKind::usual;
-  if (!options.out.empty() && !(usual && options.drift == 0 && options.sought == nullptr))
+  const auto& more = options.origin.more;
+  const bool usual = world_for(more.sought, options.origin.world) == study::WorldKind::usual;
+  if (!options.out.empty() && !(usual && more.drift == 0 && more.sought == nullptr))
     throw UsageError(
         "--out goes only with seeds of the usual world that have neither --drift nor --seek: no scenario has the rest. "
         "Without it the cause is printed all the same");
@@ -37,18 +34,19 @@ void write_needed(const study::RandomFaults& run, const CauseOptions& options, c
   const std::string text = study::scenario_of(run, events);
   const std::string problem = app::write_file(options.out, text);
   if (!problem.empty()) throw UsageError("--out: " + problem);
-  const auto told = run_scenario(scenario::parse_scenario(text, options.out), options.seed);
+  const auto told = run_scenario(scenario::parse_scenario(text, options.out), options.origin.seed);
   std::cout << "These events alone: ringctl scenario run " << app::shell_word(options.out)
             << (told.unmet ? "" : " (as a scenario they do not fail: only the seed shows it)") << '\n';
 }
 
 int find_cause(const CauseOptions& options) {
   check(options);
-  study::RandomFaults run(study::RandomFaults::Origin{
-      options.seed, options.folding, world_for(options.sought, options.world), {options.sought, options.drift}});
+  study::RandomFaults::Origin origin = options.origin;
+  origin.world = world_for(origin.more.sought, origin.world);
+  study::RandomFaults run(origin);
   run.keep_history();
   run.run();
-  std::cout << "seed " << options.seed << ": " << run.describe() << '\n';
+  std::cout << "seed " << origin.seed << ": " << run.describe() << '\n';
   if (!run.violation()) {
     std::cerr << "ring_sim: this seed breaks no promise: there is no cause to find\n";
     return kBroken;
@@ -75,13 +73,13 @@ void add_cause(CLI::App& app, Context& context) {
       app, "cause", "Say which event makes a seed of soak fail, and what would save it", "ring_sim cause 4711",
       "Runs the seed again with fewer events, and with other futures from each of them on. Takes the options that soak "
       "prints behind 'again with'. Ends with 1 if the seed breaks no promise.");
-  command->add_option("SEED", options->seed, "The seed, above 0")
+  command->add_option("SEED", options->origin.seed, "The seed, above 0")
       ->required()
       ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
-  add_folding(*command, options->folding, "mixed (default) or foldback, as of ring_sim soak");
-  add_world(*command, options->world, options->drift);
+  add_folding(*command, options->origin.fold_back, "mixed (default) or foldback, as of ring_sim soak");
+  add_world(*command, options->origin.world, options->origin.more);
   command->add_option_function<std::string>(
-      "--seek", [options](const std::string& name) { options->sought = &sim::goals()[read_goal(name)]; },
+      "--seek", [options](const std::string& name) { options->origin.more.sought = &sim::goals()[read_goal(name)]; },
       "The goal that the seed has sought");
   command->add_option("-o,--out", options->out,
                       "Write the story with the needed events alone there, as a scenario; of the usual world only");

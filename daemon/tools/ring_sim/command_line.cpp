@@ -79,7 +79,7 @@ void add_folding(CLI::App& command, study::FoldingRings& folding, const std::str
       ->transform(cli::one_of({"mixed", "foldback"}));
 }
 
-void add_world(CLI::App& command, study::WorldKind& world, unsigned& drift) {
+void add_world(CLI::App& command, study::WorldKind& world, study::RandomFaults::More& more) {
   const auto& names = study::kWorldNames;
   command
       .add_option_function<std::string>(
@@ -93,9 +93,12 @@ void add_world(CLI::App& command, study::WorldKind& world, unsigned& drift) {
           "mended again and again before such a series of faults")
       ->transform(cli::one_of({names.begin(), names.end()}));
   command
-      .add_option("--drift", drift,
+      .add_option("--drift", more.drift,
                   "Each node's clock is up to N millionths too fast or too slow, 0 to 100000; default 0")
       ->transform(cli::whole(0, 100'000));
+  command.add_flag("--clocks", more.clocks,
+                   "Now and then a node's wall clock is set by up to an hour, or a host is suspended: all its nodes "
+                   "stand still, and their monotonic clocks too");
 }
 
 static_assert(static_cast<int>(sim::NeedsWorld::usual) == static_cast<int>(study::WorldKind::usual) &&
@@ -106,13 +109,14 @@ study::WorldKind world_for(const sim::Goal* sought, study::WorldKind world) {
   return sought == nullptr ? world : std::max(world, static_cast<study::WorldKind>(sought->world));
 }
 
-std::string world_options(study::FoldingRings folding, study::WorldKind world, unsigned drift,
-                          const sim::Goal* sought) {
-  std::string text = folding == study::FoldingRings::all ? " --redundancy foldback" : "";
-  if (world != study::WorldKind::usual)
-    text += std::string(" --world ") + study::kWorldNames[static_cast<std::size_t>(world)];
-  if (drift != 0) text += " --drift " + std::to_string(drift);
-  return text + (sought == nullptr ? "" : std::string(" --seek ") + sought->name);
+std::string options_of(const study::RandomFaults::Origin& origin) {
+  const auto& more = origin.more;
+  std::string text = origin.fold_back == study::FoldingRings::all ? " --redundancy foldback" : "";
+  if (origin.world != study::WorldKind::usual)
+    text += std::string(" --world ") + study::kWorldNames[static_cast<std::size_t>(origin.world)];
+  if (more.drift != 0) text += " --drift " + std::to_string(more.drift);
+  if (more.sought != nullptr) text += std::string(" --seek ") + more.sought->name;
+  return text + (more.clocks ? " --clocks" : "");
 }
 
 std::size_t read_goal(const std::string& name) {

@@ -11,7 +11,7 @@
 
 #include "sim/goals.h"
 #include "study/model_ring.h"
-#include "study/soak_world.h"
+#include "study/random_faults.h"
 #include "tools/common/text_table.h"
 
 namespace limb_ring::ring_sim {
@@ -41,12 +41,12 @@ void add_lines(CLI::App& command, study::Medium& medium);
 
 /// Adds --redundancy, of rings that are drawn by seed: mixed or foldback. @param help of that option
 void add_folding(CLI::App& command, study::FoldingRings& folding, const std::string& help);
-/// Adds --world and --drift, of those rings.
-void add_world(CLI::App& command, study::WorldKind& world, unsigned& drift);
+/// Adds --world, --drift and --clocks, of those rings.
+void add_world(CLI::App& command, study::WorldKind& world, study::RandomFaults::More& more);
 /// The world that is asked for, or the least that can meet what is sought.
 study::WorldKind world_for(const sim::Goal* sought, study::WorldKind world);
-/// The options that give these rings again, each behind a space; none for what is usual.
-std::string world_options(study::FoldingRings folding, study::WorldKind world, unsigned drift, const sim::Goal* sought);
+/// The options that give that run again, beside its seed, each behind a space; none for what is usual.
+std::string options_of(const study::RandomFaults::Origin& origin);
 /// A goal by its name. @throw CLI::ValidationError
 std::size_t read_goal(const std::string& name);
 

@@ -31,8 +31,7 @@ struct SoakOptions {
   bool hashes = false;
   bool list_goals = false, require_goals = false;
   bool seek_unmet = false;
-  unsigned drift = 0;  ///< ppm
-  bool clocks = false;
+  study::RandomFaults::More more;   ///< of each seed, beside what it seeks
   std::vector<std::size_t> sought;  ///< places in sim::goals(); seeds take them in turn
   app::Format format = app::Format::text;
 };
@@ -136,14 +135,12 @@ std::string goals_text(const Tally& tally, const SoakOptions& options) {
          (never.empty() ? ".\n" : "; never: " + names_of(never) + ".\n");
 }
 
-std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, const SoakOptions& options,
-                           const sim::Goal* sought) {
+std::string violation_text(const study::RandomFaults& run) {
   const sim::Violation& broken = *run.violation();
-  return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
-         "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
-         "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
-         world_options(options.folding, world_for(sought, options.world), options.drift, sought) +
-         (options.clocks ? " --clocks" : "") + "\n";
+  const std::string seed = std::to_string(run.origin().seed);
+  return "seed " + seed + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) + "\nat " +
+         std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what() +
+         "\nagain with: ring_sim soak --first " + seed + " --seeds 1" + options_of(run.origin()) + "\n";
 }
 
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
@@ -202,8 +199,9 @@ class Soak {
   bool run_seed(std::uint64_t seed) {
     seeking_.learn(tally_, seed);
     const sim::Goal* goal = seeking_.goal_of(seed);
-    study::RandomFaults faults(study::RandomFaults::Origin{
-        seed, options_.folding, world_for(goal, options_.world), {goal, options_.drift, options_.clocks}});
+    study::RandomFaults::Origin origin{seed, options_.folding, world_for(goal, options_.world), options_.more};
+    origin.more.sought = goal;
+    study::RandomFaults faults(origin);
     faults.count_goals();
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
@@ -219,7 +217,7 @@ class Soak {
   }
 
   bool may_go_on_after(const study::RandomFaults& faults, std::uint64_t seed) {
-    std::cerr << violation_text(faults, seed, options_, seeking_.goal_of(seed));
+    std::cerr << violation_text(faults);
     if (options_.shrink_into) {
       signals_.reset();  // it may take long, and Ctrl-C ends it as ever
       small_ = write_shrunk(faults, seed, *options_.shrink_into, progress_) || small_;
@@ -313,7 +311,7 @@ void check(const SoakOptions& options) {
     throw UsageError(
         "--shrink goes only with the usual world: a scenario has neither lines that differ nor sparse ids");
   if (options.seek_unmet && !options.sought.empty()) throw UsageError("--seek: either names of goals, or unmet");
-  if (options.shrink_into && options.drift != 0)
+  if (options.shrink_into && options.more.drift != 0)
     throw UsageError("--shrink: not of seeds whose clocks drift; leave --drift out");
   if (options.shrink_into && (options.seek_unmet || !options.sought.empty()))
     throw UsageError("--shrink: not of seeds that seek a goal; leave --seek out");
@@ -333,10 +331,7 @@ void add_soak(CLI::App& app, Context& context) {
                   "Checks at every event, and stops at the first broken promise.");
   add_seeds(*command, *options);
   add_folding(*command, options->folding, "mixed: a third of the rings folds back (default); foldback: all of them");
-  add_world(*command, options->world, options->drift);
-  command->add_flag("--clocks", options->clocks,
-                    "Now and then a node's wall clock is set by up to an hour, or a host is suspended: all its nodes "
-                    "stand still, and their monotonic clocks too");
+  add_world(*command, options->world, options->more);
   add_shrink(*command, *options);
   add_goals(*command, *options);
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");

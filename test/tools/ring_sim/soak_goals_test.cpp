@@ -56,7 +56,7 @@ TEST(SoakGoals, ThatWereNeverMetAreSoughtByEverySecondSeed) {
 
 TEST(Cause, IsLookedForInEveryWorldAndWrittenOnlyOfTheUsualOne) {
   for (const char* world : {"usual", "wide", "parts", "storms"}) {
-    const CliRun whole = ring_sim({"cause", "1", "--world", world, "--drift", "100"});
+    const CliRun whole = ring_sim({"cause", "1", "--world", world, "--drift", "100", "--clocks"});
     EXPECT_EQ(whole.code, kBroken);
     EXPECT_THAT(whole.errors, HasSubstr("this seed breaks no promise: there is no cause to find")) << world;
   }
