@@ -153,6 +153,7 @@ class MemoryStream final : public UnixStream {
   QueueMemory memory_;
   QueueReader queue_;
   process::UniqueFd wake_;
+  unsigned wakes_ = 0;
   event_loop::Watch woken_;
 };
 

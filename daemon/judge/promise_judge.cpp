@@ -31,19 +31,19 @@ bool Arrivals::ended_before_known(std::uint8_t receiver, const Sent& sent) const
 /// that the receiver took last. One that is open, was delivered, or is a broadcast that some refused, is preferred; one
 /// that ended otherwise counts only when every possible cause has been seen. As a pin is pulled at once, so does the
 /// INTP of one if it ended long ago.
-Sent* Arrivals::find(std::uint8_t receiver, const Flow* flow, const Pending& came, bool all_asked) const {
+Sent* Arrivals::find(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) const {
   const Observation& seen = came.seen;
-  const auto* alike = flow == nullptr ? nullptr : flow->find_alike(seen);
+  Alike* alike = flow == nullptr ? nullptr : flow->find_alike(seen);
   if (alike == nullptr) return nullptr;
   Sent* old = nullptr;
-  for (Sent* sent : *alike) {
-    if ((sent->ended && sent->tries == 0 && !sent->cut_short) || ended_before_known(receiver, *sent)) continue;
-    const std::uint16_t taken = sent->taken_in(receiver);
-    if (taken != 0 && (sent->ended || taken == came.life)) continue;
-    const bool just_ended = sent->ended_round + 2 >= ring_.round && !sent->is_untaken();
-    const bool by_some = sent->outcome == Outcome::delivered || (sent->by_node && sent->outcome == Outcome::refused);
-    if (!sent->ended || (seen.kind == Kind::pin ? just_ended : by_some)) return sent;
-    if (all_asked && old == nullptr) old = sent;
+  for (Sent& sent : *alike) {
+    if ((sent.ended && sent.tries == 0 && !sent.cut_short) || ended_before_known(receiver, sent)) continue;
+    const std::uint16_t taken = sent.taken_in(receiver);
+    if (taken != 0 && (sent.ended || taken == came.life)) continue;
+    const bool just_ended = sent.ended_round + 2 >= ring_.round && !sent.is_untaken();
+    const bool by_some = sent.outcome == Outcome::delivered || (sent.by_node && sent.outcome == Outcome::refused);
+    if (!sent.ended || (seen.kind == Kind::pin ? just_ended : by_some)) return &sent;
+    if (all_asked && old == nullptr) old = &sent;
   }
   return old;
 }
@@ -53,7 +53,7 @@ Sent* Arrivals::find(std::uint8_t receiver, const Flow* flow, const Pending& cam
 bool Arrivals::match(std::uint8_t receiver, const Pending& came, bool all_asked) {
   const Observation& seen = came.seen;
   const bool pin = seen.kind == Kind::pin;
-  const Flow* const flow = ring_.find_flow(seen.source, seen.queue, seen.destination);
+  Flow* const flow = ring_.find_flow(seen.source, seen.queue, seen.destination);
   Sent* sent = find(receiver, flow, came, all_asked);
   if (pin && seen.source != receiver) {
     Sent* to_all = find(receiver, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast), came, all_asked);
@@ -123,23 +123,22 @@ void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
 /// @return false if nothing of that content was asked for in that flow
 bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* from) {
   const Observation& seen = came.seen;
-  const auto* those = from == nullptr ? nullptr : from->find_alike(seen);
+  Alike* const those = from == nullptr ? nullptr : from->find_alike(seen);
   if (those == nullptr) return false;
-  const auto has_left = [](const Sent* sent) { return !sent->ended || sent->tries != 0 || sent->cut_short; };
+  const auto has_left = [](const Sent& sent) { return !sent.ended || sent.tries != 0 || sent.cut_short; };
   const auto found = std::find_if(those->rbegin(), those->rend(), has_left);
   if (found == those->rend()) return false;
   if (ring_.stands_for_former(*from, receiver, seen)) return report_.leave_unjudged(Unjudged::alike);
-  Sent* const alike = *found;
-  const std::uint16_t taken = std::exchange(alike->taken_in(receiver), came.life);
+  const std::uint16_t taken = std::exchange(found->taken_in(receiver), came.life);
   if (taken != 0 && taken != came.life) return true;  // a late copy, in another life of the receiver
   const bool twice = taken == came.life;
-  if (!twice && ended_before_known(receiver, *alike)) return report_.leave_unjudged(ring_.at(receiver).before);
+  if (!twice && ended_before_known(receiver, *found)) return report_.leave_unjudged(ring_.at(receiver).before);
   const std::string by = " node " + std::to_string(receiver);
   const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"
                            : seen.kind == Kind::pin ? ", has pulled its pin twice at" + by
                                                     : ", was taken twice by" + by;
   report_.break_promise(twice ? Promise::exactly_once : Promise::in_order, receiver, seen.source, seen.at_ns,
-                        name_of(*from, *alike) + what);
+                        name_of(*from, *found) + what);
   return true;
 }
 
@@ -148,13 +147,13 @@ void Arrivals::passed(std::uint8_t id, const Observation& seen) {
 }
 
 bool Arrivals::mark_passed(std::uint8_t id, const Observation& seen) {
-  const Flow* from = ring_.find_flow(seen.source, seen.queue, wire::kBroadcast);
-  const auto* alike = from == nullptr ? nullptr : from->find_alike(seen);
+  Flow* from = ring_.find_flow(seen.source, seen.queue, wire::kBroadcast);
+  Alike* alike = from == nullptr ? nullptr : from->find_alike(seen);
   if (alike == nullptr) return false;
   const auto next =
-      std::find_if(alike->begin(), alike->end(), [id](const Sent* sent) { return !sent->by_node->passed[id]; });
+      std::find_if(alike->begin(), alike->end(), [id](const Sent& sent) { return !sent.by_node->passed[id]; });
   if (next == alike->end()) return false;
-  (*next)->by_node->passed.set(id);
+  next->by_node->passed.set(id);
   return true;
 }
 

@@ -21,7 +21,7 @@ class Arrivals {
  private:
   bool match(std::uint8_t receiver, const Pending& came, bool all_asked);
   bool ended_before_known(std::uint8_t receiver, const Sent& sent) const;
-  Sent* find(std::uint8_t receiver, const Flow* flow, const Pending& came, bool all_asked) const;
+  Sent* find(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) const;
   bool mark_passed(std::uint8_t id, const Observation& seen);
   bool certain(std::uint8_t receiver, const Pending& pending) const;
   void classify(std::uint8_t receiver, const Pending& pending);

@@ -23,11 +23,11 @@ bool SeenNode::has_pending(const Flow& flow) const {
 Sent& Flow::add(const Observation& asked) {
   Sent& sent = sends.emplace_back();
   sent.asked = asked;
-  alike[content_of(asked)].push_back(&sent);
+  alike[content_of(asked)].push_back(sent);
   return sent;
 }
 
-const std::deque<Sent*>* Flow::find_alike(const Observation& like) const {
+Alike* Flow::find_alike(const Observation& like) {
   const auto found = alike.find(content_of(like));
   return found == alike.end() ? nullptr : &found->second;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bitset>
+#include <boost/intrusive/list.hpp>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -103,6 +104,8 @@ struct ByNode {
 
 /// One send as its source was asked for it, and what was seen of it since.
 struct Sent {
+  using Link = boost::intrusive::list_member_hook<boost::intrusive::link_mode<boost::intrusive::normal_link>>;
+
   Observation asked;
   std::uint64_t index = 0;  ///< in the order of asking, within its queue; from 1
   Round asked_round = 0, ended_round = 0;
@@ -112,6 +115,7 @@ struct Sent {
   std::uint8_t tries = 0;
   std::uint16_t taken_life = 0;     ///< of the receiver, in which it took it; 0: it has not
   std::unique_ptr<ByNode> by_node;  ///< of a broadcast
+  Link among_alike;
 
   /// Life of that receiver in which it took it; 0: it has not.
   std::uint16_t& taken_in(std::uint8_t receiver) { return by_node ? by_node->taken_in[receiver] : taken_life; }
@@ -130,20 +134,23 @@ struct Sent {
   }
 };
 
+/// Sends of one content, in the order of asking.
+using Alike = boost::intrusive::list<Sent, boost::intrusive::member_hook<Sent, Sent::Link, &Sent::among_alike>>;
+
 /// Sends of one source, queue and destination, in the order of asking.
 struct Flow {
   std::uint8_t source, queue, destination;
   std::deque<Sent> sends = {};
   /// Those in `sends` by content_of(), in the order of asking. Nothing tells which of several a receiver has taken: the
   /// one that a taken packet is found to be is a guess, which may be corrected, and their order is not judged.
-  std::unordered_map<std::uint64_t, std::deque<Sent*>> alike = {};
+  std::unordered_map<std::uint64_t, Alike> alike = {};
   std::size_t first_open = 0;      ///< those before it have ended
   std::size_t first_unjudged = 0;  ///< those before it are judged
   bool listed = false;             ///< in SeenRing::active
 
   Sent& add(const Observation& asked);
   /// Null if it has none of that content.
-  const std::deque<Sent*>* find_alike(const Observation& like) const;
+  Alike* find_alike(const Observation& like);
   void pop_front();
   void clear();
 };
@@ -204,10 +211,9 @@ struct SeenRing {
     const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
     for (const std::uint8_t destination : {flow.destination, other_way}) {
       const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
-      const Flow* one = told_apart ? nullptr : find_flow(flow.source, flow.queue, destination);
-      const auto* alike = one == nullptr ? nullptr : one->find_alike(like);
-      if (alike != nullptr && std::any_of(alike->begin(), alike->end(), [&](Sent* sent) { return visit(*sent); }))
-        return true;
+      Flow* one = told_apart ? nullptr : find_flow(flow.source, flow.queue, destination);
+      Alike* alike = one == nullptr ? nullptr : one->find_alike(like);
+      if (alike != nullptr && std::any_of(alike->begin(), alike->end(), visit)) return true;
     }
     return false;
   }
