@@ -256,6 +256,11 @@ steps:
                 self.assertEqual(runs[0]['trace_hash'], runs[1]['trace_hash'])
                 self.assertTrue(self.hidden_by_an_order(file), 'fails in every order, so it is not a race')
 
+    def test_orders_end_with_the_last_one(self):
+        done = self.ctl('scenario', 'run', '--virtual', self.racing(RACES['the last one wins']), '--order', 999_999, '--orders', 3)
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn('3: there are only 2 from --order 999999 on, up to 1000000', done.stderr)
+
     def hidden_by_an_order(self, file):
         return any(json.loads(self.ctl('scenario', 'run', '--virtual', file, '--json', '--order', order).stdout)[0]['met']
                    for order in range(1, 51))

@@ -284,13 +284,24 @@ void add_rings(CLI::App& command, ScenarioOptions& options) {
       ->needs(live);
 }
 
+constexpr std::uint32_t kLastOrder = 1'000'000;
+
+/// @throw CLI::ValidationError
+void check_orders(const ScenarioOptions& options) {
+  const std::uint32_t left = kLastOrder - options.order.value_or(1) + 1;
+  if (options.orders > left)
+    throw CLI::ValidationError("--orders", std::to_string(options.orders) + ": there are only " + std::to_string(left) +
+                                               " from --order " + std::to_string(*options.order) + " on, up to " +
+                                               std::to_string(kLastOrder));
+}
+
 void add_orders(CLI::App& command, ScenarioOptions& options) {
   CLI::Option* with_programs = command.get_option("--virtual");
   command
       .add_option("--order", options.order,
                   "With --virtual: seed of the order in which programs act in one instant, one after the other, 1 to "
                   "1000000; 0: side by side")
-      ->transform(cli::whole(0, 1'000'000))
+      ->transform(cli::whole(0, kLastOrder))
       ->needs(with_programs);
   command
       .add_option("--orders", options.orders,
@@ -332,6 +343,7 @@ void add_run(CLI::App& scenario, Context& context) {
   add_json(*command, options->json);
   command->callback([&context, options] {
     if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
+    check_orders(*options);
     context.action = [options] { return run(*options); };
   });
 }
