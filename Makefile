@@ -6,6 +6,7 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
 PYTHON ?= /usr/bin/python3
 JOBS ?= $(shell nproc)
+# All builds are below it: rosrun looks for a program in the whole package, but not there.
 BUILD := build
 SANITIZE ?=
 DURATION ?=
@@ -56,10 +57,10 @@ tests: build ## Builds the tests
 QUICK_TESTS := test_wire test_core test_capture test_fault payload_fragment_test payload_joint_test test_study_soak \
                fuzz_slices fuzz_packets fuzz_control_messages fuzz_controller fuzz_fragments fuzz_pcapng
 test-quick: deps ## The quick tests, under address and undefined behaviour sanitizers
-	@cmake -S . -B $(BUILD)-quick -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Quick \
+	@cmake -S . -B $(BUILD)/quick -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Quick \
 	  -DCMAKE_CXX_FLAGS_QUICK=-O1 -DPYTHON_EXECUTABLE=$(PYTHON) > /dev/null
-	cmake --build $(BUILD)-quick -j$(JOBS) --target $(QUICK_TESTS)
-	cd $(BUILD)-quick && LIMB_RING_SEEDS=10 GTEST_FILTER=-*InWideWorlds:*KeptDeadline* ctest -j$(JOBS) --output-on-failure -R '^($(subst $(SPACE),|,$(strip $(QUICK_TESTS))))$$'
+	cmake --build $(BUILD)/quick -j$(JOBS) --target $(QUICK_TESTS)
+	cd $(BUILD)/quick && LIMB_RING_SEEDS=10 GTEST_FILTER=-*InWideWorlds:*KeptDeadline* ctest -j$(JOBS) --output-on-failure -R '^($(subst $(SPACE),|,$(strip $(QUICK_TESTS))))$$'
 
 # Those of living rings mostly wait.
 TESTS_AT_ONCE = $$((4 * $(JOBS)))
@@ -68,9 +69,9 @@ test: tests ## Builds and runs all tests (SANITIZE=address,undefined: what needs
 	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest -j$(TESTS_AT_ONCE) --output-on-failure
 else
 test: deps
-	cmake -S . -B $(BUILD)-sanitize -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=$(SANITIZE) -DPYTHON_EXECUTABLE=$(PYTHON)
-	cmake --build $(BUILD)-sanitize -j$(JOBS) --target all tests
-	cd $(BUILD)-sanitize && ctest -j$(TESTS_AT_ONCE) --output-on-failure
+	cmake -S . -B $(BUILD)/sanitize -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=$(SANITIZE) -DPYTHON_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)/sanitize -j$(JOBS) --target all tests
+	cd $(BUILD)/sanitize && ctest -j$(TESTS_AT_ONCE) --output-on-failure
 endif
 
 # Random faults by seed under the virtual clock; stops at the first broken promise.
@@ -91,7 +92,7 @@ compared: deps $(BUILD)/CMakeCache.txt ## Core and model over SEEDS histories of
 HOURS ?= 1
 campaign: build ## Soak, explore, chaos, and fuzz after `make fuzz`, in turns for hours; one page (HOURS=8)
 	$(PYTHON) scripts/campaign --hours $(HOURS) --folder $(BUILD)/campaign --programs $(BUILD)/devel/lib/limb_ring \
-	  $(if $(wildcard $(BUILD)-fuzz/tests),--fuzz $(BUILD)-fuzz)
+	  $(if $(wildcard $(BUILD)/fuzz/tests),--fuzz $(BUILD)/fuzz)
 
 # Does a change of the core at a random place go unnoticed by the quick tests? By SEED (1), COUNT of them.
 mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)
@@ -108,22 +109,22 @@ planted: build ## Breaks the core of live rings on purpose, and replays what fai
 ONLY ?=
 coverage: deps ## How much of the sources the tests run, by folder (ONLY="test_core test_wire" FILES=daemon/core; needs gcovr)
 	@command -v gcovr > /dev/null || { echo "make coverage needs gcovr: apt-get install gcovr"; exit 2; }
-	cmake -S . -B $(BUILD)-coverage -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Coverage \
+	cmake -S . -B $(BUILD)/coverage -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Coverage \
 	  -DCMAKE_CXX_FLAGS_COVERAGE="-Og --coverage" -DLIMB_RING_PATIENCE=10 -DPYTHON_EXECUTABLE=$(PYTHON)
-	cmake --build $(BUILD)-coverage -j$(JOBS) --target $(if $(ONLY),$(ONLY),all tests)
-	find $(BUILD)-coverage -name '*.gcda' -delete
-	cd $(BUILD)-coverage && GCOV_ERROR_FILE=$$PWD/gcov_errors ctest -j$(JOBS) --output-on-failure -E '^consumer_of' $(if $(ONLY),-R '^($(subst $(SPACE),|,$(strip $(ONLY))))$$') || \
+	cmake --build $(BUILD)/coverage -j$(JOBS) --target $(if $(ONLY),$(ONLY),all tests)
+	find $(BUILD)/coverage -name '*.gcda' -delete
+	cd $(BUILD)/coverage && GCOV_ERROR_FILE=$$PWD/gcov_errors ctest -j$(JOBS) --output-on-failure -E '^consumer_of' $(if $(ONLY),-R '^($(subst $(SPACE),|,$(strip $(ONLY))))$$') || \
 	  echo "Not all tests have passed: what is printed is of all that were run."
-	$(PYTHON) scripts/print_coverage --build $(BUILD)-coverage $(if $(FILES),--files $(FILES))
+	$(PYTHON) scripts/print_coverage --build $(BUILD)/coverage $(if $(FILES),--files $(FILES))
 
 # Everything that reads bytes or text from outside, given anything; in a build of its own, by clang's libFuzzer.
 SECONDS ?= 60
 fuzz: deps ## Gives all parsers anything, for 60 s each (SECONDS=60 FUZZ_ARGS="--target slices"; needs clang)
 	@command -v clang++ > /dev/null || { echo "make fuzz needs clang++ and its libFuzzer: apt-get install clang"; exit 2; }
-	cmake -S . -B $(BUILD)-fuzz -DLIMB_RING_ROS=OFF -DLIMB_RING_FUZZ=ON -DLIMB_RING_SANITIZE=address,undefined \
+	cmake -S . -B $(BUILD)/fuzz -DLIMB_RING_ROS=OFF -DLIMB_RING_FUZZ=ON -DLIMB_RING_SANITIZE=address,undefined \
 	  -DCMAKE_CXX_COMPILER=clang++ -DPYTHON_EXECUTABLE=$(PYTHON)
-	cmake --build $(BUILD)-fuzz -j$(JOBS) --target fuzz
-	$(PYTHON) test/fuzz/run_fuzz --build $(BUILD)-fuzz --seconds $(SECONDS) $(FUZZ_ARGS)
+	cmake --build $(BUILD)/fuzz -j$(JOBS) --target fuzz
+	$(PYTHON) test/fuzz/run_fuzz --build $(BUILD)/fuzz --seconds $(SECONDS) $(FUZZ_ARGS)
 
 # What the virtual ring does, as hashes: the same before and after a change that is to change nothing.
 traces: build ## What the virtual ring does, as hashes
@@ -162,10 +163,10 @@ bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
 
 # In a build of its own, for speed whatever the other is built for.
 bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
-	cmake -S . -B $(BUILD)-bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
-	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops bench_core_hop
-	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
-	$(BUILD)-bench/devel/lib/limb_ring/bench_core_hop
+	cmake -S . -B $(BUILD)/bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)/bench -j$(JOBS) --target bench_sim_hops bench_core_hop
+	$(BUILD)/bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
+	$(BUILD)/bench/devel/lib/limb_ring/bench_core_hop
 
 # Needs the programs: they know best what their options are.
 docs: build ## The manual as HTML, into build/docs, with the playground if it was built (needs python3-sphinx, python3-myst-parser, furo)
@@ -173,15 +174,15 @@ docs: build ## The manual as HTML, into build/docs, with the playground if it wa
 	  { echo "make docs needs Sphinx: apt-get install python3-sphinx python3-myst-parser furo"; exit 2; }
 	PYTHONPATH=$(BUILD)/devel/lib/python3/dist-packages $(PYTHON) docs/generate_reference.py --programs $(BUILD)/devel/lib/limb_ring
 	$(PYTHON) -m sphinx -W --keep-going -q -b html docs $(BUILD)/docs
-	@[ -d $(BUILD)-playground/page ] || echo "Without the playground, which 'make playground' builds"
+	@[ -d $(BUILD)/playground/page ] || echo "Without the playground, which 'make playground' builds"
 	@echo "The manual: $(BUILD)/docs/index.html"
 
 # Without emscripten it says so and ends with 77.
-playground: ## The simulator for a browser tab, into build-playground/page (needs emscripten)
-	@JOBS=$(JOBS) scripts/make_playground $(BUILD)-playground
+playground: ## The simulator for a browser tab, into build/playground/page (needs emscripten)
+	@JOBS=$(JOBS) scripts/make_playground $(BUILD)/playground
 
-deb: ## The Debian packages, into build-deb/ (installs by apt what building needs)
-	@JOBS=$(JOBS) scripts/make_deb build-deb
+deb: ## The Debian packages, into build/deb/ (installs by apt what building needs)
+	@JOBS=$(JOBS) scripts/make_deb build/deb
 
 # Root only; elsewhere it says so and ends with 77.
 SUITE ?= bookworm
@@ -198,4 +199,4 @@ install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 
 clean: ## Removes all builds
-	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-quick $(BUILD)-coverage $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb $(BUILD)-no-ros $(BUILD)-playground
+	rm -rf $(BUILD)

@@ -35,7 +35,7 @@ def _unlink(name, text):
 
 
 # What `make playground` has built. Without it the pages that embed it say nothing of it.
-_PLAYGROUND = os.environ.get('PLAYGROUND') or os.path.join(_HERE, '..', 'build-playground', 'page')
+_PLAYGROUND = os.environ.get('PLAYGROUND') or os.path.join(_HERE, '..', 'build', 'playground', 'page')
 
 
 def _embed(name, text):

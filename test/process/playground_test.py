@@ -12,7 +12,7 @@ import ring_process
 from view_process import CHROMIUM, NODE, WEB, has_playwright
 
 ROOT = os.path.realpath(os.path.join(WEB, '..', '..'))
-BUILD = os.environ.get('PLAYGROUND_BUILD', os.path.join(ROOT, 'build-playground'))
+BUILD = os.environ.get('PLAYGROUND_BUILD', os.path.join(ROOT, 'build', 'playground'))
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
