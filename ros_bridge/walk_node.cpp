@@ -9,11 +9,12 @@
 
 namespace {
 
-const ros::WallDuration kPeriod{0.01};
+constexpr double kUsualRate = 100.0;  ///< Hz
 
 constexpr const char* kHelp =
     "walk: publishes joint_commands of the humanoid walking in place. Usually started by demo.launch.\n"
-    "Parameters: ~config: YAML file of the ring; ~step: s for a left and a right step, 0.8 to 10\n";
+    "Parameters: ~config: YAML file of the ring; ~step: s for a left and a right step, 0.8 to 10;\n"
+    "~rate: Hz of joint_commands, 0.01 to 1000, 0: 100\n";
 
 sensor_msgs::JointState command_at(const limb_ring::bridge::Gait& gait, ros::WallDuration time) {
   sensor_msgs::JointState command;
@@ -32,8 +33,9 @@ void walk() {
   const Gait gait(limb_ring::config::load_ring(config_parameter(own)),
                   number_parameter("step", given_parameter(own, "step"), 1.6));
   auto commands = nodes.advertise<sensor_msgs::JointState>("joint_commands", 1);
+  const ros::WallDuration period(1.0 / rate_parameter(given_parameter(own, "rate"), kUsualRate));
   const auto start = ros::SteadyTime::now();
-  const auto timer = nodes.createSteadyTimer(kPeriod, [&](const ros::SteadyTimerEvent&) {
+  const auto timer = nodes.createSteadyTimer(period, [&](const ros::SteadyTimerEvent&) {
     commands.publish(command_at(gait, ros::SteadyTime::now() - start));
   });
   ros::spin();
