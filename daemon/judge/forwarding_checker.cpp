@@ -53,7 +53,8 @@ bool ForwardingChecker::went(const PacketHeader& header, const PacketTrailer& ta
     for (auto gone = coming.begin(); gone != it + 1; ++gone) bytes_ -= gone->size;
   }
   const bool good = it->due.good;
-  coming.erase(coming.begin(), it + 1);
+  // Mostly it is the first, and erase() costs more.
+  for (auto left = it - coming.begin() + 1; left != 0; --left) coming.pop_front();
   return good;
 }
 

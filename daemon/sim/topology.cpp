@@ -242,7 +242,10 @@ void VirtualRing::start(NodeId id) {
 void VirtualRing::freeze(NodeId id, bool clock_stands) {
   if (!alive(id)) return;
   leave(id);
-  if (clock_stands) nodes_[id].stands_since = now_;
+  if (clock_stands) {
+    nodes_[id].stands_since = now_;
+    clocks_differ_ = true;
+  }
   tell(id, Incident::frozen);
 }
 
@@ -261,6 +264,7 @@ void VirtualRing::skip_time(NodeId id, Duration by) {
 void VirtualRing::set_ahead(NodeId id, Duration ahead) {
   Node& n = nodes_[id];
   n.stands_since = kNever;
+  clocks_differ_ = true;
   n.clock_steps.push_back({now_ + ahead, ahead});
   if (n.clock_steps.size() > kClockSteps) n.clock_steps.erase(n.clock_steps.begin());
 }

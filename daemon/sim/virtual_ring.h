@@ -64,7 +64,7 @@ class VirtualRing {
   Time now() const { return now_; }
   /// What the monotonic clock of a node shows, by which its controller lives: that of the ring, but for the times that
   /// it stood, or has skipped. All that observers and callbacks are told is of the ring's clock.
-  Time time_of(NodeId id) const { return now_ + ahead(id); }
+  Time time_of(NodeId id) const { return clocks_differ_ ? now_ + ahead(id) : now_; }
   /// The host of the node is suspended.
   bool clock_stands(NodeId id) const { return nodes_[id].stands_since != core::kNever; }
   /// By how much it is ahead of the ring's; below 0 behind it.
@@ -75,7 +75,8 @@ class VirtualRing {
   }
   /// An instant of that clock on the ring's, also one before its last steps; kNever remains.
   Time in_ring(NodeId id, Time of_node) const {
-    return nodes_[id].clock_steps.empty() || of_node == core::kNever ? of_node : before_steps(id, of_node);
+    const bool same = !clocks_differ_ || nodes_[id].clock_steps.empty() || of_node == core::kNever;
+    return same ? of_node : before_steps(id, of_node);
   }
   /// For calls that change something at a node: before time goes on, the node may then use its lines, and its events
   /// are taken.
@@ -350,6 +351,7 @@ class VirtualRing {
   Time now_{};
   std::uint64_t order_ = 0;
   std::vector<Node> nodes_;
+  bool clocks_differ_ = false;  ///< a node's clock has stood, or skipped a time; else nobody need ask
   std::vector<DelayLine> delay_lines_;
   WakeTimes wakes_;
   NodeSet touched_;
