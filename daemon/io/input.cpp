@@ -1,6 +1,7 @@
 #include "io/input.h"
 
 #include <algorithm>
+#include <ctime>
 #include <cstring>
 #include <deque>
 #include <string>
@@ -195,6 +196,30 @@ bool Silence::tick(Time now) {
   quiet_ = heard_ ? Clock::duration::zero() : quiet_ + passed;
   heard_ = false;
   return quiet_ >= timing_.silence;
+}
+
+namespace {
+
+nanoseconds read_clock(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return std::chrono::seconds(now.tv_sec) + nanoseconds(now.tv_nsec);
+}
+
+}  // namespace
+
+bool Suspension::noticed() {
+  if (!asks_) return false;
+  const nanoseconds boot = read_clock(CLOCK_BOOTTIME);
+  return noticed(boot, read_clock(CLOCK_MONOTONIC));
+}
+
+bool Suspension::noticed(nanoseconds boot, nanoseconds monotonic) {
+  if (!asks_) return false;
+  const nanoseconds slept = boot - monotonic;
+  const bool grew = slept_ && slept - *slept_ >= least_;
+  slept_ = std::max(slept, slept_.value_or(slept));
+  return grew;
 }
 
 }  // namespace limb_ring::link

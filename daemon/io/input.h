@@ -21,7 +21,7 @@ namespace limb_ring::link {
 /// The reason of an input that was lost because nothing came for `silence`.
 constexpr std::string_view kSilent = "silent";
 /// That of one whose other end had given this one up, since this process stood still.
-constexpr std::string_view kGivenUp = "given up: this process stood still";
+constexpr std::string_view kGivenUp = "given up: this process, or its host, stood still";
 
 /// What comes out of an Input. Calls come from the event loop, never from inside a call into the
 /// Input. A handler may close() the Input; nothing is called after that.
@@ -112,6 +112,7 @@ struct InputSettings {
   nanoseconds delay{0};                               ///< slices are handed on so much later
   std::optional<Endpoint> from_hosts = std::nullopt;  ///< where we listen for nodes of other hosts, if elsewhere
   std::vector<std::string> names = {};                ///< of the nodes in `order`, for messages; may be empty
+  bool several_hosts = false;                         ///< the ring runs on more than one
 };
 
 /// What an Input keeps account of, whatever its transport.
@@ -246,6 +247,25 @@ class Silence {
   Time last_tick_{};
   Clock::duration quiet_{0};
   bool heard_ = true;
+};
+
+/// Notices that this host was suspended. CLOCK_MONOTONIC stood meanwhile, and so did what waits on the lines between
+/// its nodes; nodes of other hosts have gone on, and to them those packets are old. (ours, protocol.md section 6.10)
+class Suspension {
+ public:
+  /// @param several_hosts else nobody has gone on, and it notices nothing
+  /// @param least a shorter one was not noticed by others either
+  Suspension(bool several_hosts, nanoseconds least) : asks_(several_hosts), least_(least) {}
+
+  /// True once after each. Cheap: called for every read.
+  bool noticed();
+  /// The same. @param boot CLOCK_BOOTTIME, read before @param monotonic CLOCK_MONOTONIC
+  bool noticed(nanoseconds boot, nanoseconds monotonic);
+
+ private:
+  bool asks_;
+  nanoseconds least_;
+  std::optional<nanoseconds> slept_;  ///< in all, at least: time may pass between the two readings
 };
 
 /// Whether a socket is read once more in the same turn of the event loop. Behind a packet that comes alone there is

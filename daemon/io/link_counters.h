@@ -17,7 +17,7 @@ namespace limb_ring::link {
   X(connects, "upstream neighbour that came")                                    \
   X(losses, "upstream neighbour that went, for whatever reason")                 \
   X(silences, "of those: silent for too long")                                   \
-  X(given_up, "of those: by the neighbour, while this process stood still")      \
+  X(given_up, "of those: by others, while this process or its host stood still") \
   X(replaced, "of those: a nearer or newer one came")                            \
   X(refused, "connect of our ring that we refused as busy")                      \
   X(unknown_peers, "garbage, another ring, another user, half-open connection")  \

@@ -240,6 +240,7 @@ UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings, I
       datagrams_(settings, *this, handler, report, upstream,
                  [this](wire::ByteView datagram, const UdpAddress& to) { send(datagram, to); }),
       buffer_(kReadSize),
+      suspension_(settings.several_hosts, settings.timing.silence),
       ticker_(io, settings.timing.idle, [this](Time now) { tick(now); }) {}
 
 void UdpInput::close() {
@@ -261,6 +262,7 @@ void UdpInput::start() {
 
 void UdpInput::read() {
   const Time now = Clock::now();
+  if (suspension_.noticed() && datagrams_.from()) datagrams_.given_up();
   if (datagrams_.stood_still(now)) return read_after_standstill(now);
   bool found = read_run(now);
   for (int reads = 1; found && reads < kReadsPerTurn && read_again_.wanted(); ++reads) {

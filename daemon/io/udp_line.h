@@ -99,6 +99,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   std::vector<std::uint8_t> buffer_;
   ReadAgain read_again_;
   std::uint32_t dropped_ = 0;  ///< dropped_datagrams(), when that was last asked
+  Suspension suspension_;
   event_loop::Ticker ticker_;
   event_loop::Watch watch_;
 };

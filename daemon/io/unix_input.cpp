@@ -23,6 +23,7 @@ UnixInput::UnixInput(boost::asio::io_context& io, const InputSettings& settings,
       admission_(settings.self, settings.order, settings.names),
       listener_(io, settings.endpoint.path),
       silence_(settings.timing),
+      suspension_(settings.several_hosts, settings.timing.silence),
       ticker_(io, settings.timing.idle, [this](Time now) { tick(now); }) {}
 
 void UnixInput::close() {

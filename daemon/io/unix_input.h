@@ -37,6 +37,7 @@ class UnixInput final : public InputLine,
   void on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) override;
   void on_heard() override { silence_.heard(); }
   bool stood_still() const override { return silence_.stood_still(Clock::now()); }
+  bool was_suspended() override { return suspension_.noticed(); }
   void on_ended(std::string_view reason) override { lose(reason); }
 
   void turn_away(PendingConnection& connection, const LinkHeader& connect, const LinkHeader& refuse);
@@ -59,6 +60,7 @@ class UnixInput final : public InputLine,
   std::shared_ptr<UnixStream> stream_;
   std::uint8_t from_ = 0;
   Silence silence_;
+  Suspension suspension_;
   event_loop::Ticker ticker_;
   bool accepting_ = false;
   bool closed_ = false;

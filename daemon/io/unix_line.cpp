@@ -106,7 +106,8 @@ void UnixStream::read() {
 
 // What waits is old then: packets have taken the way past this node since, and their copies would come behind them.
 bool UnixStream::ended_if_given_up() {
-  if (!owner_->stood_still() || !has_hung_up(socket_.get())) return false;
+  const bool given_up = owner_->was_suspended() || (owner_->stood_still() && has_hung_up(socket_.get()));
+  if (!given_up) return false;
   ++counters_.given_up;
   owner_->on_ended(kGivenUp);
   return true;

@@ -49,6 +49,8 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
     virtual void on_heard() = 0;
     /// Silence::stood_still(), now.
     virtual bool stood_still() const = 0;
+    /// Suspension::noticed(), now.
+    virtual bool was_suspended() = 0;
     virtual void on_ended(std::string_view reason) = 0;
 
    protected:
@@ -71,8 +73,8 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
 
  protected:
   bool open() const { return owner_ != nullptr; }
-  /// This end stood still and the other one has given it up meanwhile: ends the line with all that waits. @return false
-  /// if that is not so
+  /// This end stood still and the other one has given it up meanwhile, or other hosts may have given up both: ends the
+  /// line with all that waits. @return false if that is not so
   bool ended_if_given_up();
   void say_alive() { tell(alive_); }
   SliceFeed& feed() { return feed_; }

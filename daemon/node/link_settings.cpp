@@ -79,7 +79,8 @@ link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& nod
           timing_of(ring),
           node.link.delay,
           endpoint_from_hosts(ring, node, directory, line),
-          names_on(ring, line)};
+          names_on(ring, line),
+          ring.hosts.size() > 1};
 }
 
 link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,

@@ -7,6 +7,38 @@ namespace {
 
 using std::chrono::seconds;
 
+struct SuspensionOf60 : testing::Test {
+  Suspension suspension{true, milliseconds(60)};
+  nanoseconds boot{seconds(500)}, monotonic{seconds(100)};
+  SuspensionOf60() { suspension.noticed(boot, monotonic); }
+  bool noticed() { return suspension.noticed(boot, monotonic); }
+};
+
+TEST_F(SuspensionOf60, IsNoticedOnce) {
+  boot += milliseconds(60);
+  EXPECT_TRUE(noticed());
+  EXPECT_FALSE(noticed());
+}
+
+TEST_F(SuspensionOf60, IsNotNoticedIfItWasShorter) {
+  boot += milliseconds(59);
+  EXPECT_FALSE(noticed());
+}
+
+TEST_F(SuspensionOf60, IsNotAPauseBetweenTheTwoReadings) {
+  monotonic += seconds(1);
+  EXPECT_FALSE(noticed());
+  boot += seconds(1);
+  EXPECT_FALSE(noticed());
+}
+
+TEST_F(SuspensionOf60, IsNothingIfAllNodesAreOnThatHost) {
+  suspension = {false, milliseconds(60)};
+  noticed();
+  boot += seconds(9);
+  EXPECT_FALSE(noticed());
+}
+
 struct SilenceAt20And60 : testing::Test {
   Time now{seconds(100)};
   Silence silence{Timing{milliseconds(20), milliseconds(60)}};
