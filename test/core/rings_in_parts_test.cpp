@@ -13,6 +13,18 @@ using testing::Not;
 using wire::FoldWordKind;
 using wire::SliceKind;
 
+TEST(DuplicateMemory, ThroughAStartOverKeepsAVerdictForAsLongAsACopyMayLast) {
+  DuplicateMemory memory(100ms, true);
+  const Time decided = Time{} + 1s;
+  const wire::Code first = wire::code_of(0);
+  memory.meet(3_id, first.incarnation);
+  memory.remember(3_id, first, false, DuplicateMemory::Verdict::taken, decided);
+  memory.forget_verdicts(decided + 100ms);
+  EXPECT_EQ(memory.verdict(3_id, first, false, decided + 100ms), DuplicateMemory::Verdict::doubtful);
+  memory.forget_verdicts(decided + 101ms);
+  EXPECT_EQ(memory.verdict(3_id, first, false, decided + 100ms), DuplicateMemory::Verdict::none);
+}
+
 struct RingInParts : LoneFold {
   std::vector<SliceKind> kinds(Line line) {
     std::vector<SliceKind> all;

@@ -21,6 +21,20 @@ Bytes with(const Bytes& data) {
 
 PacketFields fields(const Bytes& bytes) { return {{bytes.data(), bytes.size()}}; }
 
+TEST(Bytes, OfANumberBeginWithTheHighest) {
+  std::array<std::uint8_t, 8> bytes{};
+  store_u64(bytes.data(), 0x0102030405060708);
+  EXPECT_THAT(bytes, testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+  EXPECT_EQ(load_u64(bytes.data()), 0x0102030405060708u);
+}
+
+// protocol.md section 4.8
+TEST(BootNumber, IsTheNextOneUnlessTheWallClockIsHigher) {
+  EXPECT_EQ(next_boot(1000, 900), 1001u);
+  EXPECT_EQ(next_boot(1000, 1001), 1001u);
+  EXPECT_EQ(next_boot(1000, 1002), 1004u + 1u);
+}
+
 // Golden bytes. CRCs computed apart from this code: python3 -c "import zlib; ..." over the bytes
 // before them.
 TEST(DataPacket, GoldenBytes) {
