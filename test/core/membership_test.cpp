@@ -148,6 +148,16 @@ TEST_F(Membership16, BeaconsCarryTheCpuToAllOthersAtOnce) {
   }
 }
 
+TEST_F(Membership16, ACpuThatHasSaidNothingHasNeitherStoppedNorStarted) {
+  ASSERT_TRUE(ring.join());
+  ring.run_for(250ms);
+  const Peer& peer = ring.node(0_id).membership().peers()[5_id];
+  ASSERT_TRUE(peer.beacon_heard);
+  EXPECT_FALSE(peer.beacon.stop_latched);
+  EXPECT_EQ(peer.beacon.cpu_boots, 0u);
+  EXPECT_EQ(peer.beacon.cpu_state, wire::CpuState::none);
+}
+
 TEST_F(Membership16, BeaconsSayHowLongTheCpuHasBeenSilent) {
   ASSERT_TRUE(ring.join());
   ring.node(5_id).apply(input::Cpu{{1, wire::CpuState::running, true, ring.now(), false, {}}}, ring.now());
