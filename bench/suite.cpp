@@ -276,15 +276,17 @@ const char* key_of(Sending sending) { return sending == Sending::one ? "one_send
 
 /// Two decimals: more would be noise.
 double rounded(double value) { return std::round(value * 100) / 100; }
+/// Finer: a reference that was kept waiting on a busy machine makes a ratio small, and it is not 0.
+double rounded_ratio(double value) { return std::round(value * 1e6) / 1e6; }
 
 json row_json(const Row& row) {
   const RoundTrip& time = row.measured.round_trip_us;
   json all{{"round_trip_us", {{"p50", rounded(time.p50)}, {"p99", rounded(time.p99)}, {"max", rounded(time.max)}}},
            {"packets_per_second", rounded(row.measured.packets_per_second)},
-           {"reference_ratio", rounded(row.reference_ratio)},
+           {"reference_ratio", rounded_ratio(row.reference_ratio)},
            {"packets", row.measured.packets},
            {"failed", row.measured.failed}};
-  if (row.addition_ratio > 0) all["un" + row.what + "_ratio"] = rounded(row.addition_ratio);
+  if (row.addition_ratio > 0) all["un" + row.what + "_ratio"] = rounded_ratio(row.addition_ratio);
   return all;
 }
 
