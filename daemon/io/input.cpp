@@ -1,8 +1,8 @@
 #include "io/input.h"
 
 #include <algorithm>
-#include <ctime>
 #include <cstring>
+#include <ctime>
 #include <deque>
 #include <string>
 
