@@ -1,5 +1,5 @@
-// For LD_PRELOAD: shifts CLOCK_REALTIME of a process by the nanoseconds in the file $WALL_CLOCK_SHIFT, which it maps, and
-// CLOCK_BOOTTIME by those in $BOOT_CLOCK_SHIFT.
+// For LD_PRELOAD: shifts CLOCK_REALTIME of a process by the nanoseconds in the file $WALL_CLOCK_SHIFT, which it maps,
+// and CLOCK_BOOTTIME by those in $BOOT_CLOCK_SHIFT.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
