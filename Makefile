@@ -163,10 +163,10 @@ bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
 
 # In a build of its own, for speed whatever the other is built for.
 bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
-	cmake -S . -B $(BUILD)/bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
-	cmake --build $(BUILD)/bench -j$(JOBS) --target bench_sim_hops bench_core_hop
-	$(BUILD)/bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
-	$(BUILD)/bench/devel/lib/limb_ring/bench_core_hop
+	cmake -S . -B $(BUILD)/bench-sim -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)/bench-sim -j$(JOBS) --target bench_sim_hops bench_core_hop
+	$(BUILD)/bench-sim/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
+	$(BUILD)/bench-sim/devel/lib/limb_ring/bench_core_hop
 
 # Needs the programs: they know best what their options are.
 docs: build ## The manual as HTML, into build/docs, with the playground if it was built (needs python3-sphinx, python3-myst-parser, furo)
