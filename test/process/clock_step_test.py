@@ -1,6 +1,5 @@
 """The wall clock of a host is set while a joint is commanded, and the joint obeys every command all the same.
 $SHIFTED_WALL_CLOCK is the library that shifts it, for the programs of this test alone."""
-import mmap
 import os
 import struct
 import subprocess
@@ -34,11 +33,7 @@ EXAMPLES = os.path.join(os.path.dirname(ring_process.CONFIG), 'examples')
 class ClockStep(RingTest):
     def setUp(self):
         super().setUp()
-        path = self.write('shift', '\0' * 8)
-        with open(path, 'r+b') as file:
-            self.shift = mmap.mmap(file.fileno(), 8)
-        self.addCleanup(self.shift.close)
-        self.environment.update(LD_PRELOAD=os.environ['SHIFTED_WALL_CLOCK'], WALL_CLOCK_SHIFT=path)
+        self.shift = self.shift_clock(self.environment, 'WALL_CLOCK_SHIFT')
 
     def test_limb_firmware(self):
         self.obeys_across_steps(program('limb_firmware'), '--config', self.write_ring(self.nodes()), '--ring', self.ring, '--node', 'node1')

@@ -30,7 +30,7 @@ std::string text_of(const fs::path& file) {
 bool do_step(limb_ring::HostPort& port, const std::string& word, const fs::path& file, const std::string& text,
              const fs::path& other) {
   const bool there = fs::exists(file);
-  if (word == "at") port.sleep_until(std::chrono::milliseconds(std::stoi(file.filename()) * 1000));
+  if (word == "at") port.sleep_until(std::chrono::seconds(std::stoi(file.filename())));
   if (word == "put" || (word == "create" && !there)) std::ofstream(file) << text;
   if (word == "add") std::ofstream(file, std::ios::app) << text;
   if (word == "move" && there) fs::rename(file, other);

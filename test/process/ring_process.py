@@ -2,6 +2,7 @@
 own, so that tests can run side by side. Conditions are waited for; nothing is timed."""
 
 import json
+import mmap
 import os
 import random
 import signal
@@ -57,6 +58,16 @@ class RingTest(unittest.TestCase):
 
     def write(self, name, text):
         return self.launcher.write(name, text)
+
+    def shift_clock(self, environment, variable):
+        """Lets shifted_wall_clock.cpp shift a clock of programs with that environment.
+        @return 8 bytes: by how many ns, in the order of the host"""
+        path = self.write('shift', '\0' * 8)
+        with open(path, 'r+b') as file:
+            shift = mmap.mmap(file.fileno(), 8)
+        self.addCleanup(shift.close)
+        environment.update({'LD_PRELOAD': os.environ['SHIFTED_WALL_CLOCK'], variable: path})
+        return shift
 
     def script(self, name, text):
         path = self.write(name, '#!/bin/sh\n' + text)

@@ -235,7 +235,7 @@ steps:
         self.assertIn('live, the clocks are those of the machine', done.stderr)
 
     def racing(self, steps):
-        """A scenario of CPUs that share files. @param steps of each, as racing_cpu takes them; what one expects, a test has lost"""
+        """A scenario of CPUs that share files, which fails if a CPU finds not what it expects. @param steps of each, as racing_cpu takes them"""
         shared = os.path.join(self.folder, 'shared')
         os.makedirs(shared, exist_ok=True)
         nodes = [{'id': id, 'name': 'node%d' % id, 'cpu': {'command': [os.path.join(CPUS, 'racing_cpu'), shared, *mine.split()]}}

@@ -1,8 +1,6 @@
 """A host of a ring is suspended: its monotonic clock stood, and what waits on the lines inside it is old to the others.
 $SHIFTED_WALL_CLOCK is the library that lets CLOCK_BOOTTIME of that host's programs go on alone."""
 
-import mmap
-import os
 import struct
 
 import ring_process
@@ -13,11 +11,7 @@ class SuspendedHost(HostsTest):
     def setUp(self):
         super().setUp()
         self.set_up_hosts('waist', 'head')
-        path = self.write('shift', '\0' * 8)
-        with open(path, 'r+b') as file:
-            self.shift = mmap.mmap(file.fileno(), 8)
-        self.addCleanup(self.shift.close)
-        self.hosts['head'].environment.update(LD_PRELOAD=os.environ['SHIFTED_WALL_CLOCK'], BOOT_CLOCK_SHIFT=path)
+        self.shift = self.shift_clock(self.hosts['head'].environment, 'BOOT_CLOCK_SHIFT')
 
     def given_up(self):
         """Of each node of the suspended host, how often it has lost its input so."""
