@@ -58,7 +58,9 @@ void Blocks::receive(Line on, const wire::Slice& slice, Time now) {
   // If the line takes time, everything that comes in at one instant competes for it (run());
   // where it takes none, what has come in goes on at once, so that a batch never fills the buffer.
   settle(now);
-  if (settings_.byte_time_out.count() == 0) put_onto_line(now);
+  if (settings_.byte_time_out.count() != 0) return;
+  put_onto_line(now);
+  settle(now);  // as in run()
 }
 
 void Blocks::cpu_reset(Owner cpu, Time now) {

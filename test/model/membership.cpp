@@ -116,7 +116,7 @@ void Node::control_ended(const Send& send, Outcome outcome, Time now) {
   if (lost) return hello_again(now);
   hello_out_ = false;
   // What waited for it waits for the line from now on; it waited itself since it was said. (protocol.md section 2.4)
-  if (outcome == Outcome::unconfirmed) hello_left_ = true, hello_left_at_ = allowed_since_ = now;
+  if (outcome == Outcome::unconfirmed) hello_left_ = true, allowed_since_ = now;
   beacons(now);
 }
 

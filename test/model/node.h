@@ -327,7 +327,6 @@ class Node : private BehindFold {
   Time announced_at_ = kNever;    ///< the own hello, or a beacon of this boot number, first came home
   bool hello_left_ = true;        ///< in an open chain: nothing else goes before
   bool hello_remembers_ = false;  ///< the node has joined before, and goes on receiving
-  Time hello_left_at_ = Time{} - Duration{1};
   bool beacon_out_ = false;
   bool beacon_wanted_ = false;
   Time allowed_since_{};

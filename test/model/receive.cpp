@@ -131,10 +131,7 @@ int Node::answer_data(const Packet& packet, Time at, Time now) {
     if (is_doubtful(*decided, now)) return kNoAnswer;
     return decided->taken ? std::max(1, free) : 0;
   }
-  // On a line without a rate it is open whether what comes in the instant of the hello comes before it. (protocol.md
-  // section 2.4)
-  const bool left = hello_left_ && (settings_.byte_time_out > Duration{0} || hello_left_at_ < now);
-  const bool joining = !closed() && !(state_ == NodeState::open_chain && (left || hello_remembers_));
+  const bool joining = !closed() && !(state_ == NodeState::open_chain && (hello_left_ || hello_remembers_));
   if (is_unaware_nodes_retry(packet, at)) return kNoAnswer;
   const bool taken = !joining && cpu_present_ && free > 0;
   page->decided[{false, packet.broadcast()}] = {packet.sequence(), taken, now};
