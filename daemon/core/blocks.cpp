@@ -54,9 +54,9 @@ void Blocks::receive(Line on, const wire::Slice& slice, Time now) {
   if (tap_ != nullptr) tap_->arrives(slice, on, now);
   const Relay::Effect effect = relay_.receive(slice, now);
   if (effect.own) own_changes();
-  if (effect.on_line) return settle(now);  // the usual case on a line without a data rate
+  if (effect.on_line && settled_) return;  // the usual case on a line without a data rate
   // If the line takes time, everything that comes in at one instant competes for it (run());
-  // where it takes none, what has come in goes on at once, so that a batch never fills the buffer.
+  // where it takes none, what can go goes at once, so that a batch never fills the buffer.
   settle(now);
   if (settings_.byte_time_out.count() != 0) return;
   put_onto_line(now);

@@ -5,7 +5,7 @@
 namespace limb_ring::core {
 
 NetworkController::NetworkController(const Settings& settings, Time now) : blocks_(settings) {
-  if (settings.fold_back) fold_ = std::make_unique<FoldBack>(blocks_, outputs_[0], outputs_[1], now);
+  if (settings.fold_back) fold_ = std::make_unique<FoldBack>(blocks_, outputs_[0], outputs_[1], ready_, now);
 }
 
 // ---- the lines ----------------------------------------------------------------------------
@@ -64,14 +64,12 @@ void NetworkController::on(const input::Timeout&, Time now) {
 }
 
 void NetworkController::on(const input::Run&, Time now) {
-  update_ready();  // another line may stand for the output since
   blocks_.run(now);
   blocks_.show_given_out(output_line(), now);
   if (fold_)
     fold_->tell<&FoldBack::carry>(now, blocks_.line());
   else
     outputs_[0].take(blocks_.line());
-  update_ready();
 }
 
 Time NetworkController::next_deadline(Time now) const {

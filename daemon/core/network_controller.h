@@ -114,7 +114,7 @@ class NetworkController final {
   void on(const input::OutputLost& lost, Time now);
   void on(const input::OutputReady& output, Time) {
     ready_[index(output.line)] = output.ready;
-    update_ready();
+    blocks_.set_output_ready(ready_[index(output_line())]);
   }
   void on(const input::Send& send, Time now) { blocks_.send(send.request, now); }
   void on(const input::Interrupt& interrupt, Time now) { blocks_.interrupt(interrupt.request, now); }
@@ -129,7 +129,6 @@ class NetworkController final {
   static std::size_t index(Line line) { return static_cast<std::size_t>(line); }
   void take_in(Line line, const wire::Slice& slice, Time now);
   bool has_given_out() const { return blocks_.has_given_out() || !outputs_[0].empty() || !outputs_[1].empty(); }
-  void update_ready() { blocks_.set_output_ready(ready_[index(output_line())]); }
 
   Blocks blocks_;
   std::array<wire::SliceWriter, 2> outputs_;

@@ -92,6 +92,7 @@ class FoldBack {
   void decide_output(Time now);
   void put_onto_line();
   void say_begin();
+  bool end_leaving(Time now);
   void output_to_first(Time now);
   void abort_sent(Line line);
 

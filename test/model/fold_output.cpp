@@ -19,11 +19,18 @@ void FoldBack::decide_output(Time now) {
   } else if (output_ == Half::second) {
     output_ = Half::between;
   }
-  if (output_ == Half::between && !nc_.is_mid_packet() && sent_.empty()) output_to_first(now);
+  end_leaving(now);
   tell_nc(now);
+  if (end_leaving(now)) tell_nc(now);  // the DATP has ended with the NC's output
   if (!repeats()) abort_repeated();
   if (!folded()) again_at_ = kNever;
   if (folded() && again_at_ == kNever) again_at_ = now + period_;
+}
+
+bool FoldBack::end_leaving(Time now) {
+  if (output_ != Half::between || nc_.is_mid_packet() || !sent_.empty()) return false;
+  output_to_first(now);
+  return true;
 }
 
 void FoldBack::say_begin() {

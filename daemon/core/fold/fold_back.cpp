@@ -2,11 +2,13 @@
 
 namespace limb_ring::core {
 
-FoldBack::FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& second, Time now)
+FoldBack::FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& second,
+                   const std::array<bool, 2>& ready, Time now)
     : blocks_(blocks),
       counters_(blocks.counters()),
       first_(first),
       second_(second),
+      ready_(ready),
       from_(neighbour(blocks.settings().order.size() - 1)),
       to_(neighbour(1)),
       second_from_(to_) {
@@ -76,6 +78,7 @@ void FoldBack::settle(Time now) {
   tell_neighbours();
   blocks_.set_turned_back_at(takes_second() ? fold_node_ : std::nullopt);
   blocks_.set_folded(takes_second(), turned_back() && told_output_, now);
+  blocks_.set_output_ready(ready_[turned_back() ? 1 : 0]);  // another line may stand for the output from now on
   release(now);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -106,7 +107,9 @@ class FoldBack {
  public:
   /// All must outlive this. @pre blocks.settings().fold_back
   /// @param first,second what goes onto the lines; whoever writes them clears them
-  FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& second, Time now);
+  /// @param ready which of the two lines takes something now
+  FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& second, const std::array<bool, 2>& ready,
+           Time now);
   FoldBack(const FoldBack&) = delete;
   FoldBack& operator=(const FoldBack&) = delete;
 
@@ -245,6 +248,7 @@ class FoldBack {
   Counters& counters_;
   wire::SliceWriter& first_;
   wire::SliceWriter& second_;
+  const std::array<bool, 2>& ready_;
 
   bool input_up_ = false, output_up_ = false;  ///< of the first line
   NodeId from_, to_;                           ///< neighbours on it, now or last

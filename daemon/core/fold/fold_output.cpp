@@ -36,6 +36,7 @@ void FoldBack::settle_output(Time now) {
   if (up) return blocks_.output_up(to_, now, turned_back());
   break_off_output(turned_back() ? Line::second : Line::first);
   blocks_.output_lost(now);
+  if (out_ == Out::leaving) settle_output(now);  // its DATP has ended with that
 }
 
 // Nothing of the DATP that the blocks are sending goes on. Who hears that line is told.
