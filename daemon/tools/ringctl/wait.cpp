@@ -189,7 +189,7 @@ std::string lack_in_part(const NodeRow& row, std::size_t nodes) {
 RingWatch::RingWatch(const RingPlan& plan) : plan_(plan), client_(plan.ring, plan.nodes) {}
 
 std::optional<RingWatch::NotReady> RingWatch::first_not_ready() {
-  const auto told = client_.status(std::chrono::steady_clock::now() + kAnswerTime);
+  const auto told = client_.status(std::chrono::steady_clock::now() + kAnswerTime, /*with_heard=*/false);
   refusal_.clear();
   std::optional<NotReady> first;
   for (std::size_t i = 0; i < told.size(); ++i) {
