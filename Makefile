@@ -16,7 +16,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build docs demo virtual-demo board-demo demo-hosts tests test test-quick soak goals compared campaign mutants planted coverage fuzz traces bench bench-sim chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
+.PHONY: help all build docs demo virtual-demo board-demo demo-hosts tests test test-quick soak goals compared campaign mutants planted coverage fuzz traces bench bench-sim bench-large chaos fault-table conform forge install-dissector playground deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -167,6 +167,10 @@ bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
 	cmake --build $(BUILD)/bench-sim -j$(JOBS) --target bench_sim_hops bench_core_hop
 	$(BUILD)/bench-sim/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
 	$(BUILD)/bench-sim/devel/lib/limb_ring/bench_core_hop
+
+# A ring of 254 daemons, on one host and over four, one of which dies and comes back.
+bench-large: build ## How long a ring of 254 nodes takes to close (BENCH_LARGE_ARGS=...)
+	$(PYTHON) scripts/large_ring --programs $(BUILD)/devel/lib/limb_ring $(BENCH_LARGE_ARGS)
 
 # Needs the programs: they know best what their options are.
 docs: build ## The manual as HTML, into build/docs, with the playground if it was built (needs python3-sphinx, python3-myst-parser, furo)
