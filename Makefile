@@ -90,9 +90,10 @@ compared: deps $(BUILD)/CMakeCache.txt ## Core and model over SEEDS histories of
 
 # All that looks for broken promises, in turns, with fresh seeds; goes on after an interruption.
 HOURS ?= 1
-campaign: build ## Soak, explore, chaos, and fuzz after `make fuzz`, in turns for hours; one page (HOURS=8)
+campaign: build ## Soak, the model, explore, chaos, and fuzz after `make fuzz`, in turns for hours; one page (HOURS=8)
+	$(BUILD_TARGET) test_model
 	$(PYTHON) scripts/campaign --hours $(HOURS) --folder $(BUILD)/campaign --programs $(BUILD)/devel/lib/limb_ring \
-	  $(if $(wildcard $(BUILD)/fuzz/tests),--fuzz $(BUILD)/fuzz)
+	  --test-model $(BUILD)/tests/test_model $(if $(wildcard $(BUILD)/fuzz/tests),--fuzz $(BUILD)/fuzz)
 
 # Does a change of the core at a random place go unnoticed by the quick tests? By SEED (1), COUNT of them.
 mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)

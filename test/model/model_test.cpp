@@ -1,6 +1,7 @@
 // Core and specification do the same over random histories.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <iostream>
 #include <random>
@@ -151,14 +152,20 @@ TEST(Model, aCoreDoesWhatTheSpecificationSaysInHistoriesThatOnceShowedSomething)
 }
 
 // MODEL_SEEDS=N runs so many, MODEL_FIRST=N from that one on, MODEL_FOLD=1 on rings that all fold back,
-// MODEL_WORLD=parts in that world of soak. Without them a few that are known to agree.
+// MODEL_WORLD=parts in that world of soak, MODEL_SECONDS=N until they are over. Without them a few that are known to
+// agree.
 TEST(Model, aCoreDoesWhatTheSpecificationSaysInRandomHistories) {
   Comparison::trace = number("MODEL_TRACE").value_or(0);
   const std::uint64_t first = number("MODEL_FIRST").value_or(400), seeds = number("MODEL_SEEDS").value_or(20);
   const auto fold = number("MODEL_FOLD") ? RandomFaults::FoldBack::all : RandomFaults::FoldBack::some;
   const auto world = world_asked_for();
+  const auto until =
+      std::chrono::steady_clock::now() + std::chrono::seconds(number("MODEL_SECONDS").value_or(1'000'000));
   Tally tally;
-  for (std::uint64_t seed = first; seed < first + seeds && tally.parted < 5; ++seed) compare(seed, tally, fold, world);
+  for (std::uint64_t seed = first; seed < first + seeds && tally.parted < 5; ++seed) {
+    if (std::chrono::steady_clock::now() >= until) break;
+    compare(seed, tally, fold, world);
+  }
   std::cout << tally.histories << " histories of seeds from " << first << " on, of which " << tally.folding
             << " fold back, " << tally.compared << " outputs compared, " << tally.parted << " histories parted\n";
 }

@@ -111,6 +111,18 @@ class CampaignTest(unittest.TestCase):
         self.assertEqual(self.turns()[0]['command'][5], '2', 'seconds: half of the least turn')
         self.assertIn('2 targets, 18 executions', self.page())
 
+    def test_core_and_model_are_compared_in_each_world_and_what_parts_is_on_the_page(self):
+        self.put_ring_sim(False)
+        test_model = os.path.join(self.folder, 'test_model')
+        put_program(test_model, TEST_MODEL % sys.executable)
+        done = self.campaign(0.0002, '--test-model', test_model, '--minutes', '0.001', only='model')
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertEqual({turn['kind'] for turn in self.turns()}, {'model, ' + world for world in ('usual', 'wide', 'parts', 'storms')})
+        self.assertIn('20 outputs compared', self.page())
+        failed = [turn for turn in self.turns() if turn['failures']]
+        self.assertEqual({turn['kind'] for turn in failed}, {'model, parts'})
+        self.assertIn('1 histories parted', self.page())
+
     def test_a_build_without_fuzz_targets_is_refused(self):
         self.put_ring_sim(False)
         done = self.campaign(0.0001, '--fuzz', self.folder, only='fuzz')
