@@ -71,6 +71,7 @@ void Replay::begin_half(std::size_t half) {
   if (bytes.failed()) throw std::runtime_error("the recorded state is damaged");
   reader_ = RecordReader(bytes.rest(), begun);
   controller->set_tap(tap_);
+  controller->set_journal(journal_);
   std::swap(controller, controller_);
   holds_unseen_ = controller_->holds_packets();
   if (controller == nullptr) return;  // the first half

@@ -54,6 +54,11 @@ class Replay {
     tap_ = tap;
     controller_->set_tap(tap);
   }
+  /// Sees what goes in and out from now on; may be null.
+  void set_journal(core::Journal* journal) {
+    journal_ = journal;
+    controller_->set_journal(journal);
+  }
   core::Time now() const { return last_.at; }
   std::uint64_t records() const { return records_; }
 
@@ -72,6 +77,7 @@ class Replay {
   RecordReader reader_;
   std::unique_ptr<core::NetworkController> controller_;
   core::Tap* tap_ = nullptr;
+  core::Journal* journal_ = nullptr;
   PacketData& data_;
   std::optional<Record> next_;
   Record last_;
@@ -167,6 +173,8 @@ class ReplayedLife {
   /// `at` on the machine's steady clock, which all nodes of a host share.
   std::chrono::nanoseconds machine_time(core::Time at) const;
   std::chrono::nanoseconds began() const { return began_; }
+  /// False if its recording begins in the middle of the life, because the recorder's memory was full.
+  bool from_its_start() const { return recording_.halves.front().generation == 1; }
 
  private:
   std::string file_;
