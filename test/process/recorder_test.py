@@ -147,6 +147,20 @@ class Recorder(RingTest):
         self.assertIn('--print goes with --node', self.replay(self.saved, '--print', code=2))
         self.assertIn('--node goes with --until', self.replay(self.saved, '--node', '2', code=2))
 
+    def test_that_break_no_promise_have_no_cause(self):
+        self.start_ring(plain_nodes(3), recorder={'enabled': True})
+        self.send_delivered(1, 2, 3)
+        self.save()
+        done = self.run_program('ringctl', 'record', 'cause', self.saved)
+        self.assertEqual((done.returncode, done.stdout), (1, ''), done.stderr)
+        self.assertIn('breaks no promise: there is no cause to find', done.stderr)
+        done = self.run_program('ringctl', 'record', 'cause', self.saved + '2')
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn('no recordings are there', done.stderr)
+        done = self.run_program('ringctl', 'record', 'cause', self.saved, '--html', os.path.join(self.saved, 'no', 'page'))
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn('--html', done.stderr)
+
     def test_wrong_usage_is_reported(self):
         self.start_ring(plain_nodes(2))
         for words, ring in (('no ring has recordings', []), ('%s has no recordings' % self.ring, ['--ring', self.ring])):

@@ -52,7 +52,8 @@ void add_traffic(CLI::App& app, Context& context);            ///< show, events,
 void add_traffic_judge(CLI::App& traffic, Context& context);  ///< below `traffic`
 void add_traffic_why(CLI::App& traffic, Context& context);    ///< below `traffic`
 void add_traffic_again(CLI::App& traffic, Context& context);  ///< below `traffic`
-void add_record(CLI::App& app, Context& context);             ///< save, keep, check
+void add_record(CLI::App& app, Context& context);             ///< save, keep, check, cause
+void add_record_cause(CLI::App& record, Context& context);    ///< below `record`
 void add_send(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);
 void add_interrupt(CLI::App& app, Context& context);

@@ -499,6 +499,7 @@ void add_record(CLI::App& app, Context& context) {
   add_save(record, context);
   add_keep(record, context);
   add_record_check(record, context);
+  add_record_cause(record, context);
 }
 
 }  // namespace limb_ring::ringctl

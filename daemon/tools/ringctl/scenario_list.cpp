@@ -17,6 +17,7 @@
 #include "tools/common/picture_page.h"
 #include "tools/common/ring_file.h"
 #include "tools/common/text_table.h"
+#include "tools/ringctl/cause_page.h"
 #include "tools/ringctl/command_line.h"
 #include "tools/ringctl/play.h"
 #include "tools/ringctl/screen.h"
@@ -189,16 +190,6 @@ scenario::Runner runner_of(const CauseOptions& options, const process::SignalWai
   };
 }
 
-std::vector<app::TimeMark> marks_of(const scenario::Cause& cause, const scenario::Story& story) {
-  std::vector<app::TimeMark> marks;
-  const auto add = [&](std::size_t event, const std::string& why) {
-    marks.push_back({story.at(event), std::to_string(event + 1), why + ": " + story.words(event)});
-  };
-  for (const auto& needed : cause.needed) add(needed.event, "needed");
-  if (cause.sealed_by) add(*cause.sealed_by, "from here on every future fails");
-  return marks;
-}
-
 int run(const CauseOptions& options) {
   const auto scenario = scenario::load_scenario(options.path);
   if (options.with_programs) require_virtual(scenario, {});
@@ -229,6 +220,17 @@ int run(const CauseOptions& options) {
 }
 
 }  // namespace
+
+std::vector<app::TimeMark> marks_of(const scenario::Cause& cause, const scenario::Story& story,
+                                    std::chrono::nanoseconds from) {
+  std::vector<app::TimeMark> marks;
+  const auto add = [&](std::size_t event, const std::string& why) {
+    marks.push_back({story.at(event) - from, std::to_string(event + 1), why + ": " + story.words(event)});
+  };
+  for (const auto& needed : cause.needed) add(needed.event, "needed");
+  if (cause.sealed_by) add(*cause.sealed_by, "from here on every future fails");
+  return marks;
+}
 
 void add_scenario_cause(CLI::App& scenario, Context& context) {
   auto options = std::make_shared<CauseOptions>();
