@@ -123,6 +123,17 @@ std::string format_time(std::chrono::nanoseconds time) {
   return format_quantity(static_cast<std::uint64_t>(time.count()), kTimeUnits);
 }
 
+std::string time_text(std::chrono::nanoseconds time) {
+  const std::string exact = format_time(time);
+  const auto count = static_cast<std::uint64_t>(time.count());
+  const auto unit =
+      std::find_if(kTimeUnits.begin(), kTimeUnits.end(), [&](const Unit& known) { return known.size <= count; });
+  if (time.count() <= 0 || count % unit->size == 0) return exact;
+  std::string behind = std::to_string(unit->size + count % unit->size).substr(1);  // with its leading zeros
+  behind.erase(behind.find_last_not_of('0') + 1);
+  return std::to_string(count / unit->size) + '.' + behind + unit->name;
+}
+
 std::optional<std::uint64_t> parse_rate(const std::string& text) {
   if (text == "unlimited") return 0;
   const auto scaled = split(text);

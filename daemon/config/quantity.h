@@ -19,6 +19,8 @@ namespace limb_ring::config {
 std::optional<std::chrono::nanoseconds> parse_time(const std::string& text);
 /// With the largest unit in which it is a whole number; 0 is "0s".
 std::string format_time(std::chrono::nanoseconds time);
+/// For people: with the largest unit that is not above it, "15.433244s" and "20ms". parse_time() reads it, too.
+std::string time_text(std::chrono::nanoseconds time);
 
 /// Units: bit/s, kbit/s, Mbit/s, Gbit/s (powers of 1000), also Mbps, MBit/s or M alone; a plain number is bit/s,
 /// and "unlimited" is 0. MB/s is refused: that would be bytes.

@@ -220,7 +220,7 @@ class SpanSearch {
     begin_ = begin;
   }
   std::unique_ptr<WindowStory> read(nanoseconds begin) {
-    tell_("what was recorded in the last " + config::format_time(in_microseconds(nanoseconds(breach_.at_ns) - begin)) +
+    tell_("what was recorded in the last " + config::time_text(in_microseconds(nanoseconds(breach_.at_ns) - begin)) +
           " before the promise was broken");
     return std::make_unique<WindowStory>(
         read_window(folder_, begin, nanoseconds(breach_.at_ns) + judged_.try_timeout, judging_), breach_, judging_);

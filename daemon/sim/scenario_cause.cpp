@@ -173,7 +173,7 @@ class Search {
 };
 
 std::string event_text(const Story& story, std::size_t event) {
-  return "event " + std::to_string(event + 1) + ", at " + config::format_time(story.at(event)) + ": " +
+  return "event " + std::to_string(event + 1) + ", at " + config::time_text(story.at(event)) + ": " +
          story.words(event);
 }
 

@@ -38,6 +38,16 @@ TEST(Time, IsWrittenInTheLargestWholeUnit) {
   EXPECT_EQ(format_time(std::chrono::nanoseconds::min()), "-9223372036854775808ns");
 }
 
+TEST(Time, IsWrittenForPeopleInTheLargestUnitThatIsNotAboveIt) {
+  EXPECT_EQ(time_text(15433244us), "15.433244s");
+  EXPECT_EQ(time_text(1050ns), "1.05us");
+  EXPECT_EQ(time_text(20ms), "20ms");
+  EXPECT_EQ(time_text(512ns), "512ns");
+  EXPECT_EQ(time_text(0ns), "0s");
+  EXPECT_EQ(time_text(-1500ms), "-1500ms");
+  for (const auto time : {1000000001ns, 1001ns, 123456789ns}) EXPECT_EQ(parse_time(time_text(time)), time);
+}
+
 TEST(Time, RefusesEverythingElse) {
   for (const char* text : {"", "12", "12 parsec", "ms", "e3ms", "-5ms", "+5ms", "5  ms", "5ms ", ".", ".ms", "1.2.3s",
                            "5 MS", "99999999999s", "1,5s", "1e99s"})

@@ -36,10 +36,10 @@ sim::RecordedStory read_story(const std::string& folder, const process::SignalWa
 
 std::string text_of(const sim::RecordedStory& found) {
   const promises::Breach& breach = *found.breach;
-  std::string text = "promise broken " + config::format_time(found.broken_after) + " after the first record, at node " +
+  std::string text = "promise broken " + config::time_text(found.broken_after) + " after the first record, at node " +
                      std::to_string(breach.node) + ": " + to_string(breach.promise) + ": " + breach.what + '\n';
   if (found.story)
-    text += "Events are what came from outside from " + config::format_time(found.from) +
+    text += "Events are what came from outside from " + config::time_text(found.from) +
             " after the first record on; all before is kept.\n";
   return text;
 }
