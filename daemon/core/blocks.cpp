@@ -22,9 +22,12 @@ void Blocks::input_up(NodeId from, Time now, bool folded) {
   membership_.input_up(from, folded, now);
 }
 
+// A beacon that follows from a packet that is broken off tells of the loss already.
 void Blocks::input_lost(Time now) {
-  input_gap(now);
+  own_changes();
+  relay_.input_gap(now);
   membership_.input_lost(now);
+  settle(now);
 }
 
 void Blocks::output_up(NodeId to, Time now, bool folded) {

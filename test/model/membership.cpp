@@ -173,7 +173,7 @@ void Node::control_home_unmatched(const Packet& packet, Time at, Time now) {
   const auto beacon = wire::decode_beacon({data.data(), data.size()});
   if (!hello && !beacon) return;
   const std::uint64_t boot = hello ? hello->boot : beacon->boot;
-  if (boot < first_boot_ || boot > boot_) return sign_of_duplicate(now);
+  if (boot < first_boot_ || boot > boot_) return sign_of_duplicate(at);
   if (boot == boot_) announced_at_ = std::min(announced_at_, at);
   if (state_ != NodeState::open_chain || boot != boot_) return;
   ring_size_ = static_cast<unsigned>(packet.hop()) + 1;

@@ -147,8 +147,9 @@ TEST(Model, aCoreDoesWhatTheSpecificationSaysInHistoriesThatOnceShowedSomething)
   for (const std::uint64_t seed : {5200001049, 5300000396, 63282486801, 63282487000})
     compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::storms);
   // A send into an open chain ends as it leaves; a beacon that follows says what was known then, not what comes next.
-  for (const std::uint64_t seed : {745543243013, 745543243157, 63282411701})
+  for (const std::uint64_t seed : {745543243013, 745543243157, 63282411701, 935847414367})
     compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::usual);
+  compare(499610330563, tally, RandomFaults::FoldBack::some, RandomFaults::World::wide);
 }
 
 // MODEL_SEEDS=N runs so many, MODEL_FIRST=N from that one on, MODEL_FOLD=1 on rings that all fold back,
