@@ -141,6 +141,12 @@ class ReceiveBuffers {
   void read(const core::ReceivedPacket& packet, Time now);
   /// The CPU was reset, or the node restarted: all of it is gone.
   void flush();
+  /// What is in later than `from` is in so much later.
+  void put_off(Time from, core::Duration by) {
+    for (auto& unread : unread_)
+      for (Unread& one : unread)
+        if (one.at > from) one.at += by;
+  }
   template <class Archive>
   void archive(Archive& a) {
     a("unread", unread_)("doubtful", doubtful_);

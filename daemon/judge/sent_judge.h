@@ -80,6 +80,11 @@ class DuePins {
   void judge(core::Time now) {
     if (!due_.empty() && due_.front().at < now) drop_before(now);
   }
+  /// What is due later than `from` is due so much later.
+  void put_off(core::Time from, core::Duration by) {
+    for (Due& due : due_)
+      if (due.at > from) due.at += by;
+  }
   void clear() { due_.clear(); }
   template <class Archive>
   void archive(Archive& a) {

@@ -195,7 +195,7 @@ Answer InputChecker::offer(NodeId node, const PacketFields& packet, Sent* sent, 
   const bool by_now = leaves_now || (n.hello_leaves() && record_.has_news(node, at_end));
   const bool may_have_joined = n.receiver.joined() == Tristate::no && by_now;
   if (may_have_joined) n.receiver.set_joined(Tristate::unknown);
-  const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), at_end);
+  const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), record_.by_clock_of(node, at_end));
   if (may_have_joined) n.receiver.set_joined(Tristate::no);
   if (wire::is_control(packet)) return answer;
   const std::uint8_t priority = wire::priority_of(packet.last());
@@ -226,7 +226,7 @@ void InputChecker::interrupt_arrives(NodeId node, const PacketFields& packet, Ti
 Answer InputChecker::offer_interrupt(NodeId node, const PacketFields& packet, Sent* sent, Tristate received,
                                      Time at_end) {
   NodeRecord& n = record_.at(node);
-  const Answer answer = n.receiver.interrupt(packet, received, at_end);
+  const Answer answer = n.receiver.interrupt(packet, received, record_.by_clock_of(node, at_end));
   if (answer == Answer::takes) record_.ledger.take(sent, packet, node, at_end);
   if (answer == Answer::unknown && sent) sent->may_be_taken = true;
   if (answer == Answer::takes || answer == Answer::unknown)
@@ -249,7 +249,7 @@ void InputChecker::comes_home(NodeId node, const PacketFields& packet, Time at_e
                       !(n.control.hello && n.control.may_be_dropped);
     n.control_home = at_end;
     n.hello_out = false;
-    n.receiver.announce(is_last && sure, at_end);
+    n.receiver.announce(is_last && sure, record_.by_clock_of(node, at_end));
     if (is_last && n.control.hello) sure ? n.receiver.join() : n.receiver.set_joined(Tristate::unknown);
     if (is_last) n.control = {};
     return;

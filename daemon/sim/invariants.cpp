@@ -40,7 +40,7 @@ void Invariants::word_arrives(NodeId node, wire::FoldWord word, Line line, Time 
 void Invariants::input_changes(NodeId node, Line line, Time now) {
   inputs_.input_changes(node, line, now);
   NodeRecord& n = record_.at(node);
-  n.receiver.input_changes(now);
+  n.receiver.input_changes(record_.by_clock_of(node, now));
   n.line_may_have_changed();
   n.input_changed_at = now;
   if (n.output_lost_at == now) n.lines_crossed_at = now;
@@ -104,7 +104,7 @@ void Invariants::state_changes(NodeId node, NodeState state) {
 
 void Invariants::starts_over(NodeId node) {
   NodeRecord& n = record_.at(node);
-  n.receiver.start_over(n.lines_crossed_at == n.began, n.began);
+  n.receiver.start_over(n.lines_crossed_at == n.began, record_.by_clock_of(node, n.began));
   record_.ledger.forgets(node,
                          n.settings.falls_into_parts() ? n.began - n.settings.send_timeout() : n.input_changed_at);
 }
@@ -121,7 +121,9 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   NodeRecord& n = record_.at(node);
   if (incident == Incident::resumed) n.forwarding.released(now);
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
-  if (incident == Incident::frozen && record_.ring.clock_stands(node)) record_.ledger.clock_stood(node);
+  if (incident == Incident::frozen) n.clock_stands = record_.ring.clock_stands(node);
+  if (incident == Incident::frozen && n.clock_stands) record_.ledger.clock_stood(node);
+  if (incident == Incident::thawed && n.clock_stands) n.clock_stood(*n.away_since, now);
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
   if (incident == Incident::thawed) n.history.thawed = now;
   if (incident == Incident::output_replaced) {

@@ -34,7 +34,7 @@ struct NodeRecord {
   template <class Archive>
   void archive(Archive& a) {
     a("forwarding", forwarding)("buffers", buffers)("receiver", receiver)("pins", pins)("history", history);
-    a("began", began)("news_at", news_at)("control_home", control_home);
+    a("clock_stands", clock_stands)("began", began)("news_at", news_at)("control_home", control_home);
     a("hello_begun", hello_begun)("hello_left", hello_left)("hello_out", hello_out)("control", control)("damaged_at",
                                                                                                         damaged_at);
     a("interrupt_free", interrupt_free)("away_since", away_since);
@@ -48,6 +48,11 @@ struct NodeRecord {
     if (settings.fold_back) control.may_be_dropped = true;
     if (history.state == core::NodeState::starting) receiver.may_start_over();
   }
+  /// Its clock has stood: the last bit of what was coming in then is in so much later, by that clock.
+  void clock_stood(Time from, Time until) {
+    buffers.put_off(from, until - from);
+    pins.put_off(from, until - from);
+  }
   /// Its hello has begun to leave since it began: in an open chain it has joined by that. (protocol.md section 4.8)
   bool hello_leaves() const { return hello_left || (hello_begun && *hello_begun >= began); }
 
@@ -57,6 +62,7 @@ struct NodeRecord {
   ReceiverModel receiver;
   DuePins pins;
   NodeHistory history;
+  bool clock_stands = false;         ///< since it was frozen: its host is suspended
   Time began{};                      ///< it started, or started over
   Time news_at{core::Duration{-1}};  ///< a hello or beacon of another node was in
   Time control_home{};               ///< its last hello or beacon came home: what a hello holds back may leave
@@ -88,6 +94,8 @@ struct RingRecord {
   }
 
   NodeRecord& at(NodeId node) const { return *nodes[node]; }
+  /// That instant by the node's own clock, by which it reckons how old a verdict is: it may have stood.
+  Time by_clock_of(NodeId node, Time instant) const { return instant + ring.ahead(node); }
   bool is_away(NodeId node) const { return node < nodes.size() && nodes[node]->away_since; }
   /// A beacon may have told the node of a break, which it shows when the instant is over.
   bool has_news(NodeId node, Time now) const;
