@@ -42,7 +42,10 @@ Time ResultChecker::last_hello_of(NodeId destination) const {
 
 ResultJudge ResultChecker::judge_of(NodeId node, const Sent& sent) const {
   const NodeRecord& n = record_.at(node);
-  return {sent, n.settings, n.history, last_hello_of(sent.destination), record_.was_broken};
+  Time hello = last_hello_of(sent.destination);
+  // A source in another part hears of it when the two have grown together.
+  if (n.settings.falls_into_parts() && hello != core::kNever) hello = std::max(hello, record_.mended);
+  return {sent, n.settings, n.history, hello, record_.was_broken};
 }
 
 void ResultChecker::ends(NodeId node, const core::SendEnded& end, Time at_end) {

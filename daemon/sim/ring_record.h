@@ -88,7 +88,8 @@ struct RingRecord {
   /// All but a violation, after which nothing is judged.
   template <class Archive>
   void archive(Archive& a) {
-    a("ledger", ledger)("was_broken", was_broken)("settled_from", settled_from)("said_hello", said_hello);
+    a("ledger", ledger)("was_broken", was_broken)("settled_from", settled_from)("said_hello", said_hello)("mended",
+                                                                                                          mended);
     a("released", released);
     for (const auto& node : nodes) a("node", *node);
   }
@@ -114,6 +115,7 @@ struct RingRecord {
   core::Duration settling{0};      ///< after a fault no copies are under way for longer
   Time settled_from{};             ///< until then some bounds are wider, because of a fault before
   Time said_hello = core::kNever;  ///< the last hello of anybody
+  Time mended{};                   ///< a line was whole again, or hosts reached each other again
   Time released{};                 ///< a line has released what it held back
   std::optional<Violation> violation;
 };
