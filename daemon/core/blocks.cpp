@@ -58,12 +58,9 @@ void Blocks::receive(Line on, const wire::Slice& slice, Time now) {
   const Relay::Effect effect = relay_.receive(slice, now);
   if (effect.own) own_changes();
   if (effect.on_line && settled_) return;  // the usual case on a line without a data rate
-  // If the line takes time, everything that comes in at one instant competes for it (run());
+  // If the line takes time, everything that comes in at one instant competes for it;
   // where it takes none, what can go goes at once, so that a batch never fills the buffer.
-  settle(now);
-  if (settings_.byte_time_out.count() != 0) return;
-  put_onto_line(now);
-  settle(now);  // as in run()
+  settings_.byte_time_out.count() == 0 ? run(now) : settle(now);
 }
 
 void Blocks::cpu_reset(Owner cpu, Time now) {

@@ -151,9 +151,8 @@ class Finder {
     const CoreCall& call = window_.calls[number];
     const core::CpuReport& now = input_of<input::Cpu>(call)->report;
     const auto before = reports_.find(call.life);
-    const bool news = before != reports_.end() &&
-                      (before->second.boots != now.boots || before->second.state != now.state ||
-                       before->second.stop_latched != now.stop_latched || before->second.comes_back != now.comes_back);
+    const bool news =
+        before != reports_.end() && (now.is_news_after(before->second) || now.comes_back != before->second.comes_back);
     reports_[call.life] = now;
     if (!news) return found_.background.push_back(number);
     add(number, node_text(life_of(call)) + " hears that its CPU has changed", false).calls.push_back(number);

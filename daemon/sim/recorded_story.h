@@ -18,7 +18,7 @@ struct RecordedStory {
   std::string why_not;                       ///< why there is no story though a promise was broken
   std::chrono::nanoseconds broken_after{0};  ///< so long after the first record of all
   std::chrono::nanoseconds from{0};  ///< the story begins so long after that record; what was before is never left out
-  std::unique_ptr<scenario::Story> story;  ///< null: there is none
+  std::unique_ptr<scenario::Story> story;  ///< null if none was found
 };
 
 /// Most events of a story.

@@ -19,23 +19,6 @@ namespace {
 
 std::size_t index(Line line) { return static_cast<std::size_t>(line); }
 
-/// FNV-1a.
-class Hash {
- public:
-  Hash& operator<<(std::uint8_t byte) {
-    value_ = (value_ ^ byte) * 0x100000001B3u;
-    return *this;
-  }
-  Hash& operator<<(wire::ByteView bytes) {
-    for (const std::uint8_t byte : bytes) *this << byte;
-    return *this;
-  }
-  std::uint64_t value() const { return value_; }
-
- private:
-  std::uint64_t value_ = 0xCBF29CE484222325u;
-};
-
 bool ends_a_packet(const wire::Slice& slice) {
   using wire::SliceKind;
   const bool has_end =
@@ -51,22 +34,34 @@ bool begins_a_packet(const wire::Slice& slice) {
 
 }  // namespace
 
-std::uint64_t look_of(wire::NodeId from, Line line, const wire::Slice& slice) {
-  Hash hash;
-  hash << from << static_cast<std::uint8_t>(line) << static_cast<std::uint8_t>(slice.kind);
-  hash << static_cast<std::uint8_t>(slice.bytes.size) << static_cast<std::uint8_t>(slice.bytes.size >> 8);
+Look look_of(wire::NodeId from, Line line, const wire::Slice& slice) {
+  Look look{from, static_cast<std::uint8_t>(line), static_cast<std::uint8_t>(slice.kind),
+            static_cast<std::uint8_t>(slice.bytes.size), static_cast<std::uint8_t>(slice.bytes.size >> 8)};
   const wire::PacketFields packet{slice.bytes};
-  if (begins_a_packet(slice)) hash << packet.code().attempt << packet.source();
-  if (ends_a_packet(slice)) hash << packet.destination() << packet.last();
-  if (slice.kind == wire::SliceKind::fold) hash << slice.bytes;
-  return hash.value();
+  if (begins_a_packet(slice)) look.insert(look.end(), {packet.code().attempt, packet.source()});
+  if (ends_a_packet(slice)) look.insert(look.end(), {packet.destination(), packet.last()});
+  if (slice.kind == wire::SliceKind::fold) look.insert(look.end(), slice.bytes.begin(), slice.bytes.end());
+  return look;
 }
 
-void LineEnds::see(const core::Input& input) {
-  if (const auto* up = std::get_if<input::InputUp>(&input)) in[index(up->line)] = {true, up->from};
-  if (const auto* lost = std::get_if<input::InputLost>(&input)) in[index(lost->line)].up = false;
-  if (const auto* up = std::get_if<input::OutputUp>(&input)) out[index(up->line)] = {true, up->to};
-  if (const auto* lost = std::get_if<input::OutputLost>(&input)) out[index(lost->line)].up = false;
+bool LineEnds::see(const core::Input& input) {
+  const auto set = [](LineEnd& end, bool up, wire::NodeId other) {
+    end = {up, true, other};
+    return true;
+  };
+  if (const auto* up = std::get_if<input::InputUp>(&input)) return set(in[index(up->line)], true, up->from);
+  if (const auto* up = std::get_if<input::OutputUp>(&input)) return set(out[index(up->line)], true, up->to);
+  if (const auto* lost = std::get_if<input::InputLost>(&input))
+    return set(in[index(lost->line)], false, in[index(lost->line)].other);
+  if (const auto* lost = std::get_if<input::OutputLost>(&input))
+    return set(out[index(lost->line)], false, out[index(lost->line)].other);
+  return false;
+}
+
+bool LineEnds::is_as(const LineEnds& other) const {
+  const auto same = [](const LineEnd& one, const LineEnd& two) { return one.up == two.up && one.other == two.other; };
+  return std::equal(in.begin(), in.end(), other.in.begin(), same) &&
+         std::equal(out.begin(), out.end(), other.out.begin(), same);
 }
 
 namespace {
@@ -109,9 +104,6 @@ class LifeReader final : public core::Journal, promises::ObservationSink {
   /// It has done a record.
   /// @param follows another life of the node follows
   void has_done(bool follows) {
-    if (life_.replay().difference())
-      throw UnreadableRecording(life_.file() +
-                                ": is not replayed exactly; 'ringctl record check' shows the difference");
     if (in_window_) look_at_pause();
     if (in_window_) see_waiting();
     if (life_.replay().next() != core::kNever) return;
@@ -126,7 +118,6 @@ class LifeReader final : public core::Journal, promises::ObservationSink {
   void goes_in(const core::Input& input, Time now) override {
     begin();
     ends_.see(input);
-    if (!in_window_) note_known(input);
     if (!in_window_) return observer_.goes_in(input, now);
     put(copied(input));
   }
@@ -184,13 +175,6 @@ class LifeReader final : public core::Journal, promises::ObservationSink {
     return input;
   }
 
-  void note_known(const core::Input& input) {
-    RecordedWindow::Life& kept = window_.lives[number_];
-    if (const auto* up = std::get_if<input::InputUp>(&input)) kept.known_in[index(up->line)] = true;
-    if (const auto* up = std::get_if<input::OutputUp>(&input)) kept.known_out[index(up->line)] = true;
-    if (const auto* lost = std::get_if<input::InputLost>(&input)) kept.known_in[index(lost->line)] = true;
-    if (const auto* lost = std::get_if<input::OutputLost>(&input)) kept.known_out[index(lost->line)] = true;
-  }
   void look_at_pause() {
     const recorder::Replay& replay = life_.replay();
     if (replay.next() == core::kNever) return;
@@ -222,17 +206,14 @@ class LifeReader final : public core::Journal, promises::ObservationSink {
 void infer_ends(RecordedWindow& window, std::size_t number) {
   RecordedWindow::Life& life = window.lives[number];
   if (!life.began) return;
-  std::array<bool, 2> goes_up_in{}, goes_up_out{};
-  auto known_in = life.known_in, known_out = life.known_out;
+  LineEnds first_told = life.ends;  // of each end what was told of it first
   for (const CoreCall& call : window.calls) {
-    if (call.life != number) continue;
-    const auto note = [](auto* change, auto& known, auto& goes_up, bool up) {
-      if (change != nullptr && !std::exchange(known[index(change->line)], true)) goes_up[index(change->line)] = up;
-    };
-    note(input_of<input::InputUp>(call), known_in, goes_up_in, true);
-    note(input_of<input::OutputUp>(call), known_out, goes_up_out, true);
-    note(input_of<input::InputLost>(call), known_in, goes_up_in, false);
-    note(input_of<input::OutputLost>(call), known_out, goes_up_out, false);
+    const auto* input = call.life == number ? std::get_if<core::Input>(&call.what) : nullptr;
+    LineEnds told = first_told;
+    if (input == nullptr || !told.see(*input)) continue;
+    first_told.each([&](LineEnd& end, Line line, bool is_input) {
+      if (!end.known) end = told.at(line, is_input);
+    });
   }
   const auto lives = [&](wire::NodeId node) {
     return std::any_of(window.lives.begin(), window.lives.end(), [&](const RecordedWindow::Life& other) {
@@ -247,13 +228,11 @@ void infer_ends(RecordedWindow& window, std::size_t number) {
     }
     return life.node;
   };
-  for (const Line line : {Line::first, Line::second}) {
-    if (line == Line::second && !life.settings.fold_back) continue;
-    const std::size_t i = index(line);
-    const bool first = line == Line::first;
-    if (!life.known_in[i]) life.ends.in[i] = {!goes_up_in[i], neighbour(!first)};
-    if (!life.known_out[i]) life.ends.out[i] = {!goes_up_out[i], neighbour(first)};
-  }
+  life.ends.each([&](LineEnd& end, Line line, bool is_input) {
+    if (end.known || (line == Line::second && !life.settings.fold_back)) return;
+    end.up = !first_told.at(line, is_input).up;
+    end.other = neighbour(is_input == (line == Line::second));
+  });
 }
 
 /// What is compared of a slice that left and one that came in: of a whole packet not its data, but whether the CRC fits
@@ -347,7 +326,7 @@ class AllLines {
   };
   void collect() {
     std::size_t departure = 0;
-    std::map<std::uint64_t, std::size_t> seen;
+    std::map<Look, std::size_t> seen;
     for (std::size_t number = 0; number < window_.calls.size(); ++number) {
       const CoreCall& call = window_.calls[number];
       const std::uint8_t node = window_.lives[call.life].node;

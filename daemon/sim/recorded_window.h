@@ -54,22 +54,35 @@ const What* input_of(const CoreCall& call) {
 /// An end of a line, as its node was told of it.
 struct LineEnd {
   bool up = false;
+  bool known = false;     ///< it was told
   wire::NodeId other{0};  ///< who is at the other end, now or last
 };
 /// The ends of the lines at a node, by core::Line.
 struct LineEnds {
   std::array<LineEnd, 2> in, out;
-  /// Applies a change of a line; anything else changes nothing.
-  void see(const core::Input& input);
+  /// Applies a change of a line. @return false if it is something else
+  bool see(const core::Input& input);
+  /// Up, and with whom, are the same.
+  bool is_as(const LineEnds& other) const;
+  LineEnd& at(core::Line line, bool is_input) { return (is_input ? in : out)[static_cast<std::size_t>(line)]; }
+  /// Calls visit(end, line, is_input) for each.
+  template <class Visit>
+  void each(const Visit& visit) {
+    for (const core::Line line : {core::Line::first, core::Line::second})
+      for (const bool is_input : {true, false}) visit(at(line, is_input), line, is_input);
+  }
 };
+
+/// What look_of() says of a slice.
+using Look = std::vector<std::uint8_t>;
 
 /// A slice that has left a node, and what became of it.
 struct Departure {
   std::size_t call = 0;  ///< the Write
   core::Line line{};
   wire::Slice slice;
-  std::optional<wire::NodeId> to;      ///< nobody: its line was down, or that node is not recorded
-  std::uint64_t look = 0;              ///< that of look_of()
+  std::optional<wire::NodeId> to;  ///< nobody: its line was down, or that node is not recorded
+  Look look;
   std::size_t nth = 0;                 ///< of that look on that line in the window, from 0
   std::optional<std::size_t> arrival;  ///< the call with which it came in
   bool lost = false;                   ///< it has not come in, or changed or late; else it may be under way
@@ -78,7 +91,7 @@ struct Departure {
 /// What a slice is known by when the same story is told a little differently: source, receiver, size, priority and try
 /// of its packet, as far as they are in it. The sequence number is not: it is another one if an earlier send is left
 /// out.
-std::uint64_t look_of(wire::NodeId from, core::Line line, const wire::Slice& slice);
+Look look_of(wire::NodeId from, core::Line line, const wire::Slice& slice);
 
 /// What the flight recorders have saved of a ring in a span of time: the state of each core at its begin, and all that
 /// was done to it from there on. (ours)
@@ -87,12 +100,11 @@ struct RecordedWindow {
     wire::NodeId node{0};
     std::string name;
     core::Settings settings;
-    core::Duration zero{0};                       ///< the machine's time at 0 of the core's
-    bool began = false;                           ///< before the window, or at its first call
-    bool over = false;                            ///< before the window
-    std::vector<std::uint8_t> state;              ///< of its core then
-    LineEnds ends;                                ///< then
-    std::array<bool, 2> known_in{}, known_out{};  ///< the recording has told of these ends by then
+    core::Duration zero{0};           ///< the machine's time at 0 of the core's
+    bool began = false;               ///< before the window, or at its first call
+    bool over = false;                ///< before the window
+    std::vector<std::uint8_t> state;  ///< of its core then
+    LineEnds ends;                    ///< then
   };
   /// What the judge was told before the window.
   struct Told {
@@ -133,8 +145,9 @@ struct RecordedWindow {
 };
 
 /// Replays what was saved in a folder and keeps what lies in that span.
+/// @pre all of it is replayed exactly (Replay::difference())
 /// @param from,until ns of the machine's clock
-/// @throw UnreadableRecording
+/// @throw std::runtime_error if it cannot be read
 RecordedWindow read_window(const std::string& folder, std::chrono::nanoseconds from, std::chrono::nanoseconds until,
                            const RecordedJudging& judging);
 

@@ -303,14 +303,9 @@ class Teller {
   }
   /// A line that goes down, or up, is so already, because what was before it was left out.
   static bool changes_nothing(const CoreCall& call, const ResumedCore& at) {
-    const auto end = [](const auto& ends, const auto* change) { return ends[static_cast<std::size_t>(change->line)]; };
-    if (const auto* up = input_of<input::InputUp>(call))
-      return end(at.ends.in, up).up && end(at.ends.in, up).other == up->from;
-    if (const auto* up = input_of<input::OutputUp>(call))
-      return end(at.ends.out, up).up && end(at.ends.out, up).other == up->to;
-    if (const auto* lost = input_of<input::InputLost>(call)) return !end(at.ends.in, lost).up;
-    if (const auto* lost = input_of<input::OutputLost>(call)) return !end(at.ends.out, lost).up;
-    return false;
+    const auto* input = std::get_if<core::Input>(&call.what);
+    LineEnds after = at.ends;
+    return input != nullptr && after.see(*input) && after.is_as(at.ends);
   }
   std::optional<Time> stands_until(const ResumedCore& core, const std::vector<RecordedWindow::Pause>& spans) const {
     for (const RecordedWindow::Pause& span : spans)
@@ -369,7 +364,7 @@ class Teller {
     wire::SliceWriter& slices = core.core().output(line);
     const LineEnd& out = core.ends.out[static_cast<std::size_t>(line)];
     wire::each_slice(slices.view(), [&](const wire::Slice& slice) {
-      const std::uint64_t look = look_of(core.node(), line, slice);
+      const Look look = look_of(core.node(), line, slice);
       const std::size_t nth = seen_[look]++;
       ResumedCore* const to = out.up ? living(out.other) : nullptr;
       if (to == nullptr) return;
@@ -381,7 +376,7 @@ class Teller {
   }
 
   /// What comes in place of a slice; null: it is not lost.
-  const std::vector<CameInstead>* lost(std::uint64_t look, std::size_t nth) const {
+  const std::vector<CameInstead>* lost(const Look& look, std::size_t nth) const {
     const auto these = lost_.find(look);
     if (these == lost_.end()) return nullptr;
     const auto found = these->second.find(nth);
@@ -412,14 +407,14 @@ class Teller {
   Court court_;
   const RecordedJudging& judging_;
   std::vector<std::unique_ptr<ResumedCore>> cores_;  ///< by life
-  std::map<std::uint64_t, std::size_t> seen_;        ///< how often a slice of that look has left
+  std::map<Look, std::size_t> seen_;                 ///< how often a slice of that look has left
   Time now_{};
   std::vector<Action> actions_;
   std::size_t action_ = 0;
   std::priority_queue<Arrival, std::vector<Arrival>, std::greater<Arrival>> arrivals_;
   std::uint64_t order_ = 0;
   std::map<std::tuple<std::uint8_t, std::uint8_t, Line>, Time> last_on_;
-  std::map<std::uint64_t, std::map<std::size_t, std::vector<CameInstead>>> lost_;  ///< by look and Departure::nth
+  std::map<Look, std::map<std::size_t, std::vector<CameInstead>>> lost_;  ///< by look and Departure::nth
   std::set<std::pair<ResumedCore*, Line>> held_;
   std::vector<RecordedWindow::Pause> pauses_, unread_;
   std::set<ResumedCore*> touched_;

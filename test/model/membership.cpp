@@ -166,7 +166,7 @@ void Node::joined(Time now) {
   want_beacon();
 }
 
-void Node::control_home_unmatched(const Packet& packet, Time at, Time now) {
+void Node::control_home_unmatched(const Packet& packet, Time at) {
   if (!packet.control()) return;
   const Bytes data = packet.data();
   const auto hello = wire::decode_hello({data.data(), data.size()});

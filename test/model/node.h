@@ -270,7 +270,7 @@ class Node : private BehindFold {
   void hello_again(Time now);
   void control_ended(const Send& send, Outcome outcome, Time now);
   void own_home(const Packet& packet, Time at, Time now);
-  void control_home_unmatched(const Packet& packet, Time at, Time now);
+  void control_home_unmatched(const Packet& packet, Time at);
   void heard(const Packet& packet, const std::optional<wire::Hello>& hello, const std::optional<wire::Beacon>& beacon,
              Time at, Time now);
   void heard_break(int source, const wire::Beacon& beacon, Time at);

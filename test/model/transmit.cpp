@@ -159,7 +159,7 @@ void Node::returned(const Packet& packet, Time at, Time now) {
   Unit& unit = packet.interrupt() ? interrupts_ : data_;
   Packet as_sent = packet;
   as_sent.rewrite(0, 0xFF);
-  if (!unit.flight || as_sent.bytes != unit.flight->sent.bytes) return control_home_unmatched(packet, at, now);
+  if (!unit.flight || as_sent.bytes != unit.flight->sent.bytes) return control_home_unmatched(packet, at);
   int fbc = packet.fbc();
   if (packet.destination() == id() && closed()) fbc = answer(packet, at, now);
   const bool grown = grows_together(packet, now);

@@ -333,10 +333,7 @@ bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beac
 // ---- own beacons ----------------------------------------------------------------------------
 
 void Membership::set_cpu(const CpuReport& report, Time now) {
-  bool news = false;
-  CpuReport::fields([&](const char*, auto member, auto, bool at_once) {
-    news = news || (at_once && !(report.*member == cpu_.*member));
-  });
+  const bool news = report.is_news_after(cpu_);
   cpu_ = report;
   if (news && accepts_sends()) beacon_changed(now);
 }

@@ -35,6 +35,14 @@ struct CpuReport {
   static void fields(const Visit& visit) {
     LIMB_RING_CPU_REPORT(LIMB_RING_VISIT_REPORTED)
   }
+  /// It differs in something for which a beacon goes at once.
+  bool is_news_after(const CpuReport& before) const {
+    bool news = false;
+    fields([&](const char*, auto member, auto, bool at_once) {
+      news = news || (at_once && !(this->*member == before.*member));
+    });
+    return news;
+  }
   template <class Archive>
   void archive(Archive& a) {
     fields([&](const char* name, auto member, auto, bool) { a(name, this->*member); });
