@@ -253,6 +253,11 @@ Ledger::Return Ledger::returned(NodeId source, wire::Code code, NodeId destinati
   return {sent, sent && !outstanding.damaged && !sent->ended};  // one that was cancelled while out is not repeated
 }
 
+void Ledger::receiver_forgot(NodeId source, NodeId receiver, Time at) {
+  for (Sent& sent : sources_[source].sent)
+    if (!sent.ended && (sent.destination == receiver || sent.destination == wire::kBroadcast)) sent.forgotten_at = at;
+}
+
 bool Ledger::has_taken(const core::ReceivedPacket& packet, NodeId node) const {
   if (packet.source >= sources_.size()) return false;  // a core that looks at no CRC gives out anything
   const auto& sent = sources_[packet.source].sent;

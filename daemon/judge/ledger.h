@@ -94,7 +94,8 @@ struct Sent {
   Time cancelled_at = core::kNever;  ///< from then on it does not leave any more
   Time cancel_due = core::kNever;    ///< when it was cancelled while out or waiting
   Time first_refused = core::kNever;
-  Time refused_at = core::kNever;  ///< when a refusal was in: it waits a while and goes again
+  Time refused_at = core::kNever;    ///< when a refusal was in: it waits a while and goes again
+  Time forgotten_at = core::kNever;  ///< when its source last heard that a receiver may have forgotten what it took
   bool ended = false;
   Time ended_at{};
   core::SendEnded end;
@@ -124,7 +125,8 @@ struct Sent {
     a("ahead", ahead)("queue_shared", queue_shared)("left", left)("tries", tries)("repeated", repeated);
     a("attempts", attempts)("may_have_failed", may_have_failed)("last_try", last_try)("home_at", home_at);
     a("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
-    a("first_refused", first_refused)("refused_at", refused_at)("ended", ended)("ended_at", ended_at)("end", end);
+    a("first_refused", first_refused)("refused_at", refused_at)("forgotten_at", forgotten_at)("ended", ended)(
+        "ended_at", ended_at)("end", end);
     a("in_doubt", in_doubt)("clock_stood", clock_stood)("unread", unread)("decisions", decisions)(
         "decided_from", decided_from)("has_twin", has_twin)("may_be_taken", may_be_taken);
   }
@@ -193,6 +195,8 @@ class Ledger {
   void take(Sent* sent, const wire::PacketFields& packet, NodeId node, Time at);
   /// `node` starts over, and forgets what it decided before: what a line has doubled it may take again.
   void forgets(NodeId node, Time before) { forgotten_before_[node] = before; }
+  /// `source` has heard that `receiver` may have forgotten what it took. (protocol.md section 4.10)
+  void receiver_forgot(NodeId source, NodeId receiver, Time at);
   /// `node` has taken a packet that looks like this one.
   bool has_taken(const core::ReceivedPacket& packet, NodeId node) const;
   /// What `source` was asked for until now and has not begun to send is cancelled.

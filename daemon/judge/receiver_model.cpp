@@ -13,6 +13,8 @@ namespace {
 /// A boot number that is lower by at most this is of an earlier incarnation. (protocol.md section 4.10)
 constexpr std::uint64_t kEarlier = 1000;
 
+bool is_earlier(std::uint64_t boot, std::uint64_t than) { return than > boot && than - boot <= kEarlier; }
+
 }  // namespace
 
 ReceiverModel::ReceiverModel(const core::Settings& settings)
@@ -42,7 +44,7 @@ template <class Forget>
 bool ReceiverModel::hear_boot(NodeId source, std::uint64_t boot, Forget forget) {
   Page& page = pages_[source];
   if (page.boot == boot) return true;
-  if (page.boot > boot && page.boot - boot <= kEarlier) return false;
+  if (is_earlier(boot, page.boot)) return false;
   forget(page);
   page.known = true;
   page.from_packet = page.any_incarnation = false;
@@ -72,6 +74,20 @@ bool ReceiverModel::hear(const PacketFields& packet, Time at) {
   }
   if (heard) page.peer_known = Tristate::yes;
   return heard;
+}
+
+// The first beacon that is heard of a node does not say so, nor does a hello that remembers if no start was missed.
+Tristate ReceiverModel::tells_of_forgetting(const PacketFields& packet) const {
+  const Page& page = pages_[packet.source()];
+  const auto hello = wire::decode_hello(packet.data());
+  const auto beacon = wire::decode_beacon(packet.data());
+  if (!hello && !beacon) return Tristate::no;
+  if (page.peer_known == Tristate::unknown || page.any_incarnation) return Tristate::unknown;
+  const bool known = page.peer_known == Tristate::yes;
+  const std::uint64_t boot = hello ? hello->boot : beacon->boot;
+  if (is_earlier(boot, page.boot) || (known && page.boot == boot)) return Tristate::no;
+  const bool goes_on = hello && hello->remembers && known && boot == page.boot + 1;
+  return (hello || known) && !goes_on ? Tristate::yes : Tristate::no;
 }
 
 // @return false if it is of an earlier incarnation

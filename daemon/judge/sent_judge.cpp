@@ -48,11 +48,9 @@ Time ResultJudge::due() const {
   return std::max(sent_.asked + settings_.queue_timeout + 2 * tries, source_.thawed);
 }
 
-// The receiver has started since, or begun new numbers: what is out to it is not repeated. (protocol.md section 4.10) A
-// source that missed its hello learns of it from its beacons.
+// What is out to a node that has forgotten what it took is not repeated from then on. (protocol.md section 4.10)
 bool ResultJudge::receiver_forgot() const {
-  const core::Duration until_heard = 10 * settings_.beacon + kMostTries * settings_.send_timeout();
-  return said_hello_ != core::kNever && sent_.ended_at - said_hello_ < until_heard;
+  return sent_.forgotten_at != core::kNever && sent_.last_try <= sent_.forgotten_at;
 }
 
 const char* ResultJudge::against_delivered() const {
@@ -81,7 +79,9 @@ const char* ResultJudge::against_lost() const {
   if (settings_.falls_into_parts() && home()) return nullptr;  // two parts may have grown together
   if (home() && is_taken(sent_.home_fbc)) return ", and it came home taken";
   if (receiver_forgot() || overdue()) return nullptr;
-  if (home()) return sent_.repeated || sent_.may_have_failed ? nullptr : ", and its first try came home";
+  // A try that comes home late has failed, also if its retry has not left yet. (protocol.md sections 4.2 and 4.6)
+  const bool late = sent_.ended_at - sent_.last_try >= settings_.send_timeout();
+  if (home()) return sent_.repeated || sent_.may_have_failed || late ? nullptr : ", and its first try came home";
   return sent_.attempts == kMostTries ? nullptr : ", and it had tries left";
 }
 

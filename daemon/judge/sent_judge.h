@@ -11,26 +11,23 @@ namespace limb_ring::sim {
 /// What has happened to a node that can end its sends.
 struct NodeHistory {
   core::NodeState state = core::NodeState::starting;
-  Time state_at{};                 ///< since when
-  Time open_chain_until{};         ///< it was in an open chain before it showed another state; 0: never
-  Time cancelled = core::kNever;   ///< its CPU was reset, or its sends were cancelled
-  Time said_hello = core::kNever;  ///< its last hello left
-  Time thawed{};                   ///< it went on
+  Time state_at{};                ///< since when
+  Time open_chain_until{};        ///< it was in an open chain before it showed another state; 0: never
+  Time cancelled = core::kNever;  ///< its CPU was reset, or its sends were cancelled
+  Time thawed{};                  ///< it went on
 
   template <class Archive>
   void archive(Archive& a) {
     a("state", state)("state_at", state_at)("open_chain_until", open_chain_until)("cancelled", cancelled);
-    a("said_hello", said_hello)("thawed", thawed);
+    a("thawed", thawed);
   }
 };
 
 /// Whether a result was justified when it was given, by what was seen on the lines. (protocol.md sections 4.3 to 4.6)
 class ResultJudge {
  public:
-  /// @param said_hello when a receiver of the send last said hello; core::kNever: never
-  ResultJudge(const Sent& sent, const core::Settings& settings, const NodeHistory& source, Time said_hello,
-              bool ring_was_broken)
-      : sent_(sent), settings_(settings), source_(source), said_hello_(said_hello), ring_was_broken_(ring_was_broken) {}
+  ResultJudge(const Sent& sent, const core::Settings& settings, const NodeHistory& source, bool ring_was_broken)
+      : sent_(sent), settings_(settings), source_(source), ring_was_broken_(ring_was_broken) {}
 
   /// @return what speaks against it; null if nothing does
   const char* objection() const;
@@ -51,7 +48,6 @@ class ResultJudge {
   const Sent& sent_;
   const core::Settings& settings_;
   const NodeHistory& source_;
-  Time said_hello_;
   bool ring_was_broken_;
 };
 

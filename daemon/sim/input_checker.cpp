@@ -172,7 +172,11 @@ void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time no
   const bool for_it = destination == node || destination == wire::kBroadcast;
   const bool good = !(for_it || record_.is_away(source)) || (wire::trailer_valid(packet.bytes) && packet.crc_good());
   ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
-  if (good && wire::is_control(packet)) n.news_at = at_end;
+  if (good && wire::is_control(packet)) {
+    n.news_at = at_end;
+    if (received == Tristate::unknown || n.receiver.tells_of_forgetting(packet) != Tristate::no)
+      record_.ledger.receiver_forgot(node, source, now);
+  }
   if (good && for_it) {
     Sent* sent = wire::is_control(packet) ? nullptr : on_line(node, packet);
     const std::size_t least = n.buffers.least(wire::priority_of(packet.last()));

@@ -120,7 +120,6 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   }
   NodeRecord& n = record_.at(node);
   if (incident == Incident::resumed) n.forwarding.released(now);
-  if (incident == Incident::healed) record_.mended = now;
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::frozen) n.clock_stands = record_.ring.clock_stands(node);
   if (incident == Incident::frozen && n.clock_stands) record_.ledger.clock_stood(node);
@@ -141,10 +140,6 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   // The buffers of a line that is replaced are emptied, unless what waits goes on over the second line.
   const bool emptied = incident == Incident::output_replaced && !n.settings.fold_back;
   if (incident == Incident::started || emptied) n.forwarding.clear();
-}
-
-void Invariants::parted(const core::RingOrder& these, Time now) {
-  if (these.empty()) record_.mended = now;
 }
 
 void Invariants::starts(NodeId node, Time now) {

@@ -38,7 +38,6 @@ class Invariants : public Observer {
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
   void incident(NodeId node, Incident incident, Time now, Line line) override;
-  void parted(const core::RingOrder& these, Time now) override;
 
  private:
   void state_changes(NodeId node, core::NodeState state);

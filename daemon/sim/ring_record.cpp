@@ -35,17 +35,9 @@ void RingRecord::complain(Promise promise, Words what) {
 
 using core::NodeState;
 
-Time ResultChecker::last_hello_of(NodeId destination) const {
-  if (destination == wire::kBroadcast) return record_.said_hello;
-  return destination < record_.nodes.size() ? record_.at(destination).history.said_hello : core::kNever;
-}
-
 ResultJudge ResultChecker::judge_of(NodeId node, const Sent& sent) const {
   const NodeRecord& n = record_.at(node);
-  Time hello = last_hello_of(sent.destination);
-  // A source in another part hears of it when the two have grown together.
-  if (n.settings.falls_into_parts() && hello != core::kNever) hello = std::max(hello, record_.mended);
-  return {sent, n.settings, n.history, hello, record_.was_broken};
+  return {sent, n.settings, n.history, record_.was_broken};
 }
 
 void ResultChecker::ends(NodeId node, const core::SendEnded& end, Time at_end) {
@@ -176,7 +168,6 @@ void OutputChecker::own_data_leaves(NodeId node, const PacketFields& packet) {
   if (hello) {
     n.hello_left = true;
     n.receiver.says_hello(hello->boot);
-    n.history.said_hello = record_.said_hello = record_.ring.now();
   }
   // Nothing else is sent before the hello is home. (protocol.md section 4.8)
   n.hello_out = hello.has_value();

@@ -88,9 +88,7 @@ struct RingRecord {
   /// All but a violation, after which nothing is judged.
   template <class Archive>
   void archive(Archive& a) {
-    a("ledger", ledger)("was_broken", was_broken)("settled_from", settled_from)("said_hello", said_hello)("mended",
-                                                                                                          mended);
-    a("released", released);
+    a("ledger", ledger)("was_broken", was_broken)("settled_from", settled_from)("released", released);
     for (const auto& node : nodes) a("node", *node);
   }
 
@@ -111,12 +109,10 @@ struct RingRecord {
   Complain on_complaint;
   Ledger ledger;
   std::vector<std::unique_ptr<NodeRecord>> nodes;
-  bool was_broken = false;         ///< some line or node was ever lost
-  core::Duration settling{0};      ///< after a fault no copies are under way for longer
-  Time settled_from{};             ///< until then some bounds are wider, because of a fault before
-  Time said_hello = core::kNever;  ///< the last hello of anybody
-  Time mended{};                   ///< a line was whole again, or hosts reached each other again
-  Time released{};                 ///< a line has released what it held back
+  bool was_broken = false;     ///< some line or node was ever lost
+  core::Duration settling{0};  ///< after a fault no copies are under way for longer
+  Time settled_from{};         ///< until then some bounds are wider, because of a fault before
+  Time released{};             ///< a line has released what it held back
   std::optional<Violation> violation;
 };
 
@@ -153,7 +149,6 @@ class ResultChecker {
     }
   };
 
-  Time last_hello_of(NodeId destination) const;
   ResultJudge judge_of(NodeId node, const Sent& sent) const;
 
   RingRecord& record_;

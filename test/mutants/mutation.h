@@ -21,6 +21,7 @@ enum class Mutation {
   short_round_trips,    ///< results tell of round trips of a picosecond
   counts_one_try,       ///< results tell of one try, however many there were
   gives_up_early,       ///< a send is lost after two tries
+  gives_up_at_beacons,  ///< what is out to a node that sends a beacon is not repeated, as if it had started again
   refused_at_once,      ///< what is refused does not go again
   full_too_early,       ///< a queue is full with two sends
   cancels_nothing,      ///< the sends of a CPU that was reset go on

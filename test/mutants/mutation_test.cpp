@@ -57,6 +57,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"RefusesEveryTenth", Mutation::refuses_every_tenth, Promise::true_fbc},
                     Case{"ShortRoundTrips", Mutation::short_round_trips, Promise::true_result},
                     Case{"CountsOneTry", Mutation::counts_one_try, Promise::true_result},
+                    Case{"GivesUpAtBeacons", Mutation::gives_up_at_beacons, Promise::true_result},
                     Case{"RefusedAtOnce", Mutation::refused_at_once, Promise::true_result},
                     Case{"FullTooEarly", Mutation::full_too_early, Promise::true_result},
                     Case{"CancelsNothing", Mutation::cancels_nothing, Promise::true_result},

@@ -218,6 +218,21 @@ TEST(RandomFaults, BreakNoPromiseIfASourceOfTheOtherPartKnowsOfNoStart) {
 // one pull was taken for it.
 TEST(RandomFaults, BreakNoPromiseIfOneOfTwoPinsDueMayBeLeftOut) { expect_no_breach({3770003973}); }
 
+// Two others of one kind: the judge guessed by time whether a source had heard that a receiver started. One heard of it
+// late, when the ring was whole again; the other's first try came home after its time-out, and so had failed.
+TEST(RandomFaults, BreakNoPromiseIfAReceiversStartIsHeardLate) {
+  const sim::Goal* sought = &sim::goals()[*sim::goal_named("fold_discards")];
+  RandomFaults run({902973214950, RandomFaults::FoldBack::some, RandomFaults::World::usual, {sought, 0}});
+  run.run();
+  EXPECT_EQ(in_words(run), "");
+}
+
+TEST(RandomFaults, BreakNoPromiseIfATryComesHomeLate) {
+  RandomFaults run(5300320, RandomFaults::FoldBack::some, RandomFaults::World::wide);
+  run.run();
+  EXPECT_EQ(in_words(run), "");
+}
+
 // Wherever it is: while the nodes join, under faults, when all was mended, and with traffic once more.
 TEST(RandomFaults, StopWhenAsked) {
   const auto asked_in_all = [](unsigned stop_at) {
