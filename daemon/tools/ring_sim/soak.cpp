@@ -178,11 +178,14 @@ class Soak {
 
   int run() {
     std::cerr << "Seeds " << options_.first << " to " << options_.first + options_.seeds - 1 << ".\n";
-    while (tally_.seeds < options_.seeds && !interrupted_)
-      if (!run_seed(options_.first + tally_.seeds)) return kBroken;
+    bool goes_on = true;
+    while (goes_on && tally_.seeds < options_.seeds && !interrupted_) goes_on = run_seed(options_.first + tally_.seeds);
     if (interrupted_) return say_interrupted();
-    if (broken_ != 0) return kBroken;
     print();
+    if (broken_ != 0) {
+      std::cerr << broken_ << " of " << tally_.seeds << " seeds broke a promise.\n";
+      return kBroken;
+    }
     if (options_.format == app::Format::text) std::cout << "No promise was broken.\n";
     return options_.require_goals ? judge_goals() : kDone;
   }
@@ -211,8 +214,8 @@ class Soak {
     tally_.add(faults);
     if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
     if (faults.violation()) return may_go_on_after(faults, seed);
-    progress_.tell(std::to_string(tally_.seeds) + " of " + std::to_string(options_.seeds) +
-                   " seeds, no promise broken");
+    const std::string broken = broken_ == 0 ? "no promise broken" : std::to_string(broken_) + " broke a promise";
+    progress_.tell(std::to_string(tally_.seeds) + " of " + std::to_string(options_.seeds) + " seeds, " + broken);
     return true;
   }
 
@@ -238,7 +241,7 @@ class Soak {
       std::cout << tally_.row(options_).dump(2) << '\n';
     else
       std::cout << app::format_rows({tally_.row(options_)}, options_.format);
-    if (options_.format == app::Format::text) std::cout << goals_text(tally_, options_);
+    if (options_.format == app::Format::text && broken_ == 0) std::cout << goals_text(tally_, options_);
   }
 
   const SoakOptions& options_;
