@@ -1,21 +1,11 @@
 #include "model/packet.h"
 
-#include <array>
+#include <zlib.h>
 
 namespace limb_ring::model {
 
 std::uint32_t crc_of(const Bytes& bytes, std::size_t count) {
-  static const auto of_byte = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t byte = 0; byte < 256; ++byte) {
-      table[byte] = byte;
-      for (int bit = 0; bit < 8; ++bit) table[byte] = table[byte] >> 1 ^ ((table[byte] & 1) != 0 ? 0xEDB88320 : 0);
-    }
-    return table;
-  }();
-  std::uint32_t rest = 0xFFFFFFFF;
-  for (std::size_t i = 0; i < count; ++i) rest = rest >> 8 ^ of_byte[(rest ^ bytes[i]) & 0xFF];
-  return ~rest;
+  return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), count));
 }
 
 std::uint32_t Packet::crc() const {
