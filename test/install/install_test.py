@@ -12,7 +12,7 @@ import unittest
 
 SOURCE, BUILD, CMAKE = '', '', 'cmake'
 GUARD = 120   # s
-NO_DEBIAN_PACKAGES_BUILD = {'libgtest-dev', 'libgmock-dev', 'librostest-dev', 'ros-base-dev'}   # tests alone need them
+NO_DEBIAN_PACKAGES_BUILD = {'libgtest-dev', 'libgmock-dev', 'librostest-dev', 'ros-base-dev', 'zlib1g-dev'}   # tests alone need them
 
 
 def read(*path):
