@@ -77,17 +77,18 @@ bool ReceiverModel::hear(const PacketFields& packet, Time at) {
 }
 
 // The first beacon that is heard of a node does not say so, nor does a hello that remembers if no start was missed.
-Tristate ReceiverModel::tells_of_forgetting(const PacketFields& packet) const {
+bool ReceiverModel::may_tell_of_forgetting(const PacketFields& packet, Tristate received) const {
+  if (received == Tristate::unknown) return true;
   const Page& page = pages_[packet.source()];
   const auto hello = wire::decode_hello(packet.data());
   const auto beacon = wire::decode_beacon(packet.data());
-  if (!hello && !beacon) return Tristate::no;
-  if (page.peer_known == Tristate::unknown || page.any_incarnation) return Tristate::unknown;
+  if (!hello && !beacon) return false;
+  if (page.peer_known == Tristate::unknown || page.any_incarnation) return true;
   const bool known = page.peer_known == Tristate::yes;
   const std::uint64_t boot = hello ? hello->boot : beacon->boot;
-  if (is_earlier(boot, page.boot) || (known && page.boot == boot)) return Tristate::no;
+  if (is_earlier(boot, page.boot) || (known && page.boot == boot)) return false;
   const bool goes_on = hello && hello->remembers && known && boot == page.boot + 1;
-  return (hello || known) && !goes_on ? Tristate::yes : Tristate::no;
+  return (hello || known) && !goes_on;
 }
 
 // @return false if it is of an earlier incarnation

@@ -40,8 +40,9 @@ class ReceiverModel {
   Answer data(const wire::PacketFields& packet, Tristate received, Tristate has_buffer, Time at);
   Answer interrupt(const wire::PacketFields& packet, Tristate received, Time at);
 
-  /// That hello or beacon, which has come in now, says that its source may have forgotten what it took. Before data().
-  Tristate tells_of_forgetting(const wire::PacketFields& packet) const;
+  /// False for sure if a hello or beacon that has come in now does not say that its source has forgotten what it took.
+  /// Before data(). @param received as there
+  bool may_tell_of_forgetting(const wire::PacketFields& packet, Tristate received) const;
   /// The node says hello with that boot number, and begins a new page for packets to itself.
   void says_hello(std::uint64_t boot);
   /// Its hello is home, or has left into an open chain: users' DATPs are taken.

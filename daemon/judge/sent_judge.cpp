@@ -9,8 +9,6 @@ using core::Reject;
 
 namespace {
 
-constexpr unsigned kMostTries = 4;
-
 bool is_taken(int fbc) { return fbc > 0 && fbc != wire::kFbcUntaken; }
 
 }  // namespace
@@ -44,7 +42,7 @@ const char* ResultJudge::objection() const {
 
 // Four tries, each of which may wait for the line, behind four of the send before it.
 Time ResultJudge::due() const {
-  const core::Duration tries = kMostTries * (settings_.send_timeout() + settings_.queue_timeout);
+  const core::Duration tries = wire::kTries * (settings_.send_timeout() + settings_.queue_timeout);
   return std::max(sent_.asked + settings_.queue_timeout + 2 * tries, source_.thawed);
 }
 
@@ -82,7 +80,7 @@ const char* ResultJudge::against_lost() const {
   // A try that comes home late has failed, also if its retry has not left yet. (protocol.md sections 4.2 and 4.6)
   const bool late = sent_.ended_at - sent_.last_try >= settings_.send_timeout();
   if (home()) return sent_.repeated || sent_.may_have_failed || late ? nullptr : ", and its first try came home";
-  return sent_.attempts == kMostTries ? nullptr : ", and it had tries left";
+  return sent_.attempts == wire::kTries ? nullptr : ", and it had tries left";
 }
 
 const char* ResultJudge::against_unconfirmed() const {

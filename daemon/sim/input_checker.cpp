@@ -174,8 +174,7 @@ void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time no
   ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
   if (good && wire::is_control(packet)) {
     n.news_at = at_end;
-    if (received == Tristate::unknown || n.receiver.tells_of_forgetting(packet) != Tristate::no)
-      record_.ledger.receiver_forgot(node, source, now);
+    if (n.receiver.may_tell_of_forgetting(packet, received)) record_.ledger.receiver_forgot(node, source, now);
   }
   if (good && for_it) {
     Sent* sent = wire::is_control(packet) ? nullptr : on_line(node, packet);

@@ -91,6 +91,11 @@ void add_scenario_shrink(CLI::App& scenario, Context& context) {
 
 namespace {
 
+void add_page(CLI::App& command, std::string& path) {
+  command.add_option("--html", path,
+                     "Write a page there: the states of each node over time, the events that count, and the cause");
+}
+
 /// @throw UsageError
 std::ofstream open_page(const std::string& path) {
   std::ofstream page;
@@ -182,8 +187,7 @@ void add_scenario_cause(CLI::App& scenario, Context& context) {
   command->add_option("FILE", options->path, "The scenario, YAML")->required();
   command->add_flag("--virtual", options->with_programs,
                     "With the programs of the ring's file as CPUs; default: with models of CPUs");
-  command->add_option("--html", options->html,
-                      "Write a page there: the states of each node over time, the events that count, and the cause");
+  add_page(*command, options->html);
   add_search(*command, context, options->seed, [options] { return run(*options); });
 }
 
@@ -255,8 +259,7 @@ void add_record_cause(CLI::App& record, Context& context) {
       "Goes on from the recorded cores with fewer events, and with other futures from each of them on. Ends with 1 if "
       "the recording breaks no promise, or if its failure does not come again.");
   command->add_option("DIR", options->folder, "Folder of 'ringctl record save'")->required();
-  command->add_option("--html", options->html,
-                      "Write a page there: the states of each node over time, the events that count, and the cause");
+  add_page(*command, options->html);
   command->callback([&context, options] { context.action = [options] { return find_cause(*options); }; });
 }
 
