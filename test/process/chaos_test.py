@@ -99,7 +99,7 @@ class Chaos(RingTest):
         self.daemons[node].send_signal(signal.SIGCONT)
 
     def wait_bypassed(self, node):
-        self.wait('bypass', lambda: self.row((node + 2) % NODES)['ring_size'] < NODES)
+        self.wait('bypass', lambda: self.answered((node + 2) % NODES)['ring_size'] < NODES)
 
     def kill(self, node, sends):
         self.daemons[node].kill()

@@ -31,7 +31,7 @@ class Clock(RingTest):
         stands = self.clock('pause')
         self.assertTrue(stands['paused'])
         self.assertEqual(self.clock('pause')['now_ns'], stands['now_ns'])
-        self.assertEqual(self.row(1)['state'], 'up', 'it answers all the same')
+        self.assertEqual(self.answered(1)['state'], 'up', 'it answers all the same')
         for step, length in (('1ms', MS), ('1500us', 1500000), ('2', 2000 * MS), ('1ns', 1)):
             before = self.clock('pause')['now_ns']
             after = self.clock('step', step)
@@ -65,7 +65,7 @@ class Clock(RingTest):
                       self.refused(4, '--ring', self.ring, 'resume', 'node1'))
         self.assertEqual(self.wait_exit(stop), 4)
         self.clock('run')
-        self.wait('the stop', lambda: self.row(1)['cpu']['stop']['pulled'] == 1)
+        self.wait('the stop', lambda: self.answered(1)['cpu']['stop']['pulled'] == 1)
 
     def test_a_step_says_until_when_it_goes(self):
         self.up(self.write_ring(plain_nodes(3)))

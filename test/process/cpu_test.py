@@ -74,8 +74,8 @@ class Reset(RingTest):
         self.start_ring(limb_at(2))
         boots, old = self.wait_cpu(2, 'running')['boots'], self.hang(2)
         self.ctl_json('interrupt', '--from', 0, '--to', 'node2', 0)
-        self.wait('a new CPU', lambda: self.row(2)['cpu']['boots'] == boots + 1)
-        self.assertNotEqual(self.row(2)['cpu']['pid'], old)
+        self.wait('a new CPU', lambda: self.answered(2)['cpu']['boots'] == boots + 1)
+        self.assertNotEqual(self.answered(2)['cpu']['pid'], old)
 
     def test_reset_of_a_node_itself_goes_round(self):
         self.start_ring(limb_at(0))
@@ -120,7 +120,7 @@ class Reset(RingTest):
         cpu = self.start('cpu', [ring_process.program('echo_cpu'), self.ring, '1'])
         self.wait_cpu(1, 'running')
         self.wait('beacon of the CPU', lambda: any(
-            peer['id'] == 1 and peer['cpu_state'] == 'running' for peer in self.row(0)['heard']))
+            peer['id'] == 1 and peer['cpu_state'] == 'running' for peer in self.answered(0)['heard']))
         reset = self.ctl_json('reset', 1, '--from', 0, code=1)
         self.assertIn('nobody restarts it', reset['message'])
         self.assertEqual(self.wait_exit(cpu), -signal.SIGKILL)
@@ -133,7 +133,7 @@ class Reset(RingTest):
         while port.wait(port.send(1, b'stale')).outcome == 'delivered':
             taken += 1
         self.assertIn(taken, range(4, 13))  # 4 in the buffers, and what the CPU had asked for before, at most 8
-        self.assertEqual(self.row(1)['waiting'], 4)
+        self.assertEqual(self.answered(1)['waiting'], 4)
         self.assertTrue(self.ctl_json('reset', 1, '--from', 0, '--timeout', 30)['success'])
         row = self.row(1)
         self.assertEqual(row['counters']['flushed_on_reset'], 4)
@@ -145,7 +145,7 @@ class Children(RingTest):
         self.start_ring(limb_at(1))
         first = self.wait_cpu(1, 'running')
         self.ctl_json('send', '--from', 0, '--to', 1, '--data', 'exit 7')
-        cpu = self.wait('a second boot', lambda: (lambda c: c['boots'] == 2 and c)(self.row(1)['cpu']))
+        cpu = self.wait('a second boot', lambda: (lambda c: c['boots'] == 2 and c)(self.answered(1)['cpu']))
         self.assertNotEqual(cpu['pid'], first['pid'])
         self.assertEqual(cpu['exits'], 1)
         self.assertIn('7', cpu['last_exit'])
@@ -192,8 +192,8 @@ class Children(RingTest):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = {'command': ['sleep', '1000']}
         self.start_ring(nodes, timeouts={'cpu_boot': '50ms'})
-        self.wait('two failed boots', lambda: self.row(1)['cpu']['failed_boots'] >= 2)
-        self.assertIn('did not attach', self.row(1)['cpu']['last_exit'])
+        self.wait('two failed boots', lambda: self.answered(1)['cpu']['failed_boots'] >= 2)
+        self.assertIn('did not attach', self.answered(1)['cpu']['last_exit'])
 
 
 class Presence(RingTest):
@@ -201,7 +201,7 @@ class Presence(RingTest):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = 'attached'
         self.start_ring(nodes, timeouts={'refused': '50ms'})
-        self.assertEqual(self.row(1)['cpu']['state'], 'absent')
+        self.assertEqual(self.answered(1)['cpu']['state'], 'absent')
         sent = self.ctl_json('send', '--from', 0, '--to', 1, '--size', 8, code=1)
         self.assertEqual(sent['results'][0]['outcome'], 'refused')
         self.assertGreater(self.counters(1)['refused_cpu_absent'], 1)

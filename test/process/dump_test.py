@@ -54,7 +54,7 @@ class Dump(Looking):
     def test_of_a_folded_ring_shows_each_packet_once_on_the_line_it_came_on(self):
         self.start_ring(plain_nodes(4), redundancy='foldback')
         self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
-        self.wait('folded', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
+        self.wait('folded', lambda: {self.answered(i)['state'] for i in range(4)} == {'folded'})
         for node, line in (('node1', 'node2 -> node1'), ('node2', 'node1 -> node2')):
             packets = self.dump_until_done(node, '--kind', 'data', '-n', 3, '--json').splitlines()[:3]
             numbers = [json.loads(packet)['sequence'] for packet in packets]

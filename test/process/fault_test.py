@@ -64,7 +64,7 @@ class Nodes(FaultTest):
         os.mkdir(other, 0o700)
         stands_in = self.start('foreign', ['env', 'XDG_RUNTIME_DIR=' + other, ring_process.program('ringd'), '--config',
                                            os.path.join(self.folder, 'ring.yaml'), '--node', '1'])
-        self.wait('a ring of three', lambda: self.row(0)['ring_size'] == 3)
+        self.wait('a ring of three', lambda: self.answered(0)['ring_size'] == 3)
         self.wait('it is seen', lambda: self.ctl_json('status')['nodes'][1]['state'] == 'up')
         self.assertIn('cannot be started', self.fault('start', 'node1', code=1))
         self.assertEqual(self.listed()['node1.kill']['fault'], 'kill node1')
@@ -96,7 +96,7 @@ class Nodes(FaultTest):
         self.wait('the ring announced', lambda: 'is closed' in self.log_of(up))
         self.begin('kill', 'node1')
         self.fault('start', 'node1')
-        pid = self.row(1)['pid']
+        pid = self.answered(1)['pid']
         up.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(up), 0)
         self.wait('the end of node 1', lambda: is_gone(pid))
@@ -113,10 +113,10 @@ class Nodes(FaultTest):
         self.assertNotEqual(process_state(daemons[2].pid), 'T')
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
-        boot = self.row(2)['boot']
+        boot = self.answered(2)['boot']
         self.assertEqual(self.fault('freeze', 'node2', '--for', '500ms'), 'done: freeze node2 for=500ms\n')
         self.wait_closed(range(4))
-        self.wait('bypassed meanwhile', lambda: self.row(2)['boot'] > boot)
+        self.wait('bypassed meanwhile', lambda: self.answered(2)['boot'] > boot)
 
     def test_a_thawed_node_can_be_asked_at_once_even_if_many_have_asked_it_in_vain(self):
         daemons = self.start_ring(plain_nodes(3), timeouts=QUICK)
@@ -173,7 +173,7 @@ class Nodes(FaultTest):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = {'command': ['limb_firmware']}
         daemons = self.start_ring(nodes)
-        cpu, boot = self.wait_cpu(1, 'running')['pid'], self.row(1)['boot']
+        cpu, boot = self.wait_cpu(1, 'running')['pid'], self.answered(1)['boot']
         self.fault('power_cycle', 'node1')
         row = self.row(1)
         self.assertGreater(row['boot'], boot)
@@ -201,11 +201,11 @@ class Nodes(FaultTest):
 
     def test_a_power_cycle_of_all_over_udp_closes_the_ring_again(self):
         self.start_ring(self.udp_nodes(4), timeouts=QUICK)
-        boots = [self.row(i)['boot'] for i in range(4)]
+        boots = [self.answered(i)['boot'] for i in range(4)]
         self.fault('power_cycle', 'all')
         self.wait_closed(range(4))
         for i in range(4):
-            self.assertGreater(self.row(i)['boot'], boots[i])
+            self.assertGreater(self.answered(i)['boot'], boots[i])
 
     def test_clear_ends_everything(self):
         self.start_ring(plain_nodes(5), timeouts=QUICK)
@@ -258,7 +258,7 @@ class Cpus(FaultTest):
         self.begin('hang', 'node1')
         self.fault('crash', 'node1')
         self.assertTrue(is_gone(pid))
-        self.wait('its end told', lambda: 'signal 11' in self.row(1)['cpu']['last_exit'])
+        self.wait('its end told', lambda: 'signal 11' in self.answered(1)['cpu']['last_exit'])
 
     def test_an_attached_cpu_is_affected_too(self):
         nodes = plain_nodes(2)

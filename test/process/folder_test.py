@@ -221,7 +221,7 @@ class Folder(RingTest):
         self.assertIn('held by pid %d' % second.pid, self.log_of(first))
         self.ringd(config, 1)
         self.wait_closed([0, 1])
-        self.assertEqual(self.row(0)['pid'], second.pid)
+        self.assertEqual(self.answered(0)['pid'], second.pid)
 
 
 if __name__ == '__main__':

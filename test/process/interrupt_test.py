@@ -54,13 +54,13 @@ class Pins(RingTest):
 
     def test_broadcast_reset_needs_force(self):
         self.start_ring(plain_nodes(3))
-        boots = [self.row(node)['cpu']['boots'] for node in range(3)]
+        boots = [self.answered(node)['cpu']['boots'] for node in range(3)]
         sent = self.ctl_json('interrupt', '--from', 0, '--to', 'all', 0, code=1)['results'][0]
         self.assertEqual(sent['outcome'], 'rejected')
         self.assertIn('force', sent['reason'])
-        self.assertEqual([self.row(node)['cpu']['boots'] for node in range(3)], boots)
+        self.assertEqual([self.answered(node)['cpu']['boots'] for node in range(3)], boots)
         self.ctl_json('interrupt', '--from', 0, '--to', 'all', 0, '--force')
-        self.assertEqual([self.row(node)['cpu']['boots'] for node in range(3)],
+        self.assertEqual([self.answered(node)['cpu']['boots'] for node in range(3)],
                          [boots[0], boots[1] + 1, boots[2] + 1])
 
     def test_signal_pin_signals_the_cpu(self):

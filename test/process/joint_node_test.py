@@ -47,14 +47,14 @@ class JointNode(RingTest):
         self.wait('said: ' + words, lambda: words in self.log_of(cpu))
 
     def warnings(self):
-        return [warning['text'] for warning in self.row(1)['warnings']]
+        return [warning['text'] for warning in self.answered(1)['warnings']]
 
     def warns(self, words, cpu=None):
         self.wait('status says: ' + words, lambda: any(words in text for text in self.warnings()))
         self.assertIn(words, self.ctl('status').stdout)
-        self.assertGreater(self.row(1)['counters']['cpu_warnings'], 0)
+        self.assertGreater(self.answered(1)['counters']['cpu_warnings'], 0)
         if cpu:
-            self.assertEqual(self.row(1)['cpu']['state'], cpu)
+            self.assertEqual(self.answered(1)['cpu']['state'], cpu)
 
     def state_of_knee(self, body, wanted):
         return body.find(lambda message: isinstance(message, Packet) and isinstance(message.payload, JointState)
@@ -68,7 +68,7 @@ class JointNode(RingTest):
                 stopped = self.ctl('stop', 'node1')
                 self.assertEqual(stopped.returncode, 0)
                 self.assertEqual(stopped.stdout.splitlines()[-1], '1 of 1 stopped')
-                self.assertTrue(self.row(1)['cpu']['stop']['latched'])
+                self.assertTrue(self.answered(1)['cpu']['stop']['latched'])
                 cpu.kill()
                 self.ctl('down')
 
@@ -77,7 +77,7 @@ class JointNode(RingTest):
         cpu = self.port(1, role='cpu')
         for stopped in True, False:
             cpu.tell_stopped(stopped)
-            self.wait('known', lambda: self.row(1)['cpu']['stop']['latched'] is stopped)
+            self.wait('known', lambda: self.answered(1)['cpu']['stop']['latched'] is stopped)
 
     def test_obeys_command_sets_and_of_two_with_one_stamp_the_later_sequence(self):
         self.start_knee(FIRMWARE % ('', 'lambda dt, goals: [goal.position for goal in goals]'))
@@ -128,7 +128,7 @@ class JointNode(RingTest):
         self.start('cpu', [sys.executable, self.write('two.py', DEAF.replace('(0)]', '(0)] * 2')), self.ring, 'node1'])
         self.warns('its CPU sends the state of 2 joints, and the ring\'s file gives it 1')
         self.warns('its CPU runs and sends no readings of foot')
-        self.assertEqual(self.row(1)['counters']['cpu_warnings'], 2)
+        self.assertEqual(self.answered(1)['counters']['cpu_warnings'], 2)
 
     def test_a_step_that_takes_longer_than_its_period_is_reported_once(self):
         cpu = self.start_knee(FIRMWARE % ('', 'lambda dt, goals: time.sleep(0.015) or [0.0]'))

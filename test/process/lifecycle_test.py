@@ -27,13 +27,13 @@ class Lifecycle(RingTest):
 
     def test_killed_node_is_bypassed_and_comes_back(self):
         daemons = self.start_ring(plain_nodes(4))
-        boot = self.row(2)['boot']
+        boot = self.answered(2)['boot']
         daemons[2].kill()
         self.wait_closed([0, 1, 3])
-        self.assertEqual(self.row(1)['output']['to'], 3)
+        self.assertEqual(self.answered(1)['output']['to'], 3)
         self.ringd(os.path.join(self.folder, 'ring.yaml'), 2)
         self.wait_closed(range(4))
-        self.assertGreater(self.row(2)['boot'], boot)
+        self.assertGreater(self.answered(2)['boot'], boot)
 
     def test_sends_of_others_go_on_through_a_kill_with_one_result_each(self):
         daemons = self.start_ring(plain_nodes(4))
@@ -65,13 +65,13 @@ class Lifecycle(RingTest):
 
     def test_frozen_node_is_bypassed_and_comes_back_by_a_new_hello(self):
         daemons = self.start_ring(plain_nodes(4), timeouts={'silence': '200ms'})
-        boot, hellos = self.row(2)['boot'], self.counters(2)['hellos']
+        boot, hellos = self.answered(2)['boot'], self.counters(2)['hellos']
         daemons[2].send_signal(signal.SIGSTOP)
         self.wait_closed([0, 1, 3])
         self.assertEqual(self.ctl_json('ping', '--from', 0, '--to', 3, '--count', 50)['delivered'], 50)
         daemons[2].send_signal(signal.SIGCONT)
         self.wait_closed(range(4))
-        self.assertGreater(self.row(2)['boot'], boot)
+        self.assertGreater(self.answered(2)['boot'], boot)
         self.assertGreater(self.counters(2)['hellos'], hellos)
         self.assertEqual(self.ctl_json('ping', '--from', 0, '--to', 2, '--count', 50)['delivered'], 50)
 
@@ -79,8 +79,8 @@ class Lifecycle(RingTest):
         daemons = self.start_ring(plain_nodes(4))
         for node in (1, 2, 3):
             daemons[node].kill()
-        self.wait('node 0 alone', lambda: self.row(0)['state'] in ('alone', 'open_chain') or
-                  self.row(0)['ring_size'] == 1)
+        self.wait('node 0 alone', lambda: self.answered(0)['state'] in ('alone', 'open_chain') or
+                  self.answered(0)['ring_size'] == 1)
         for node in (3, 2, 1):
             self.ringd(os.path.join(self.folder, 'ring.yaml'), node)
         self.wait_closed(range(4))

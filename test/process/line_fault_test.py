@@ -11,16 +11,16 @@ class Lines(FaultTest):
         self.start_ring(nodes, timeouts=QUICK)
         cut = self.begin('cut', 'node1:node2')
         self.assertEqual(cut, ['node1.1'])
-        attempts = self.row(1)['counters']['output_attempts']
-        self.assertEqual(self.row(1)['output']['state'], 'down')  # at once
+        attempts = self.answered(1)['counters']['output_attempts']
+        self.assertEqual(self.answered(1)['output']['state'], 'down')  # at once
         self.wait('break located by all', lambda: all(
-            (self.row(i)['broken_line'] or {}).get('behind') == 2 for i in range(len(nodes))))
+            (self.answered(i)['broken_line'] or {}).get('behind') == 2 for i in range(len(nodes))))
         row = self.row(2)
         self.assertEqual((row['state'], row['broken_line']['before']), ('open_chain', 1))
         text = self.ctl('status').stdout
         self.assertRegex(text, r'broken line node1 -> node2, [0-9.]+ s ago, announced [0-9.]+ s later\n')
         self.assertRegex(text, r'fault on purpose node1\.1: cut node1 -> node2')
-        self.assertEqual(self.row(1)['counters']['output_attempts'], attempts, 'it was bypassed')
+        self.assertEqual(self.answered(1)['counters']['output_attempts'], attempts, 'it was bypassed')
         self.assertIn('cut node1 -> node2', self.fault('list'))
         self.fault('remove', 'node1.1')
         self.wait_closed(range(len(nodes)))
@@ -61,11 +61,11 @@ class Lines(FaultTest):
 
     def test_truncated_and_doubled_packets_are_neither_lost_nor_taken_twice(self):
         self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
-        received = self.row(2)['received']
+        received = self.answered(2)['received']
         self.begin('truncate', 'node0:node1', '--packets', 2)
         self.begin('duplicate', 'node1:node2', '--packets', 5)
         self.assertEqual(self.ping(0, 2)['delivered'], 20)
-        self.assertEqual(self.row(2)['received'], received + 20)
+        self.assertEqual(self.answered(2)['received'], received + 20)
         self.assertEqual((self.counters(0)['line_truncated'], self.counters(1)['line_duplicated']), (2, 5))
 
     def test_a_late_datagram_is_discarded_and_sent_again(self):
@@ -117,7 +117,7 @@ class Lines(FaultTest):
         self.assertGreater(self.counters(0)['line_held'], 0)
         self.assertEqual(self.counters(1)['input_losses'], losses)
         stall = self.begin('stall', 'node0:node1')
-        self.wait('broken line', lambda: (self.row(1)['broken_line'] or {}).get('before') == 0)
+        self.wait('broken line', lambda: (self.answered(1)['broken_line'] or {}).get('before') == 0)
         self.fault('remove', stall[0])
         self.wait_closed(range(3))
 
@@ -126,15 +126,15 @@ class Lines(FaultTest):
         self.assertEqual(self.begin('cut', 'node2:node1'), ['node2.1'])
         said = 'broken second line node2 -> node1: the ring can fold back only around node1 -> node2'
         self.wait('shown', lambda: said in self.ctl('status').stdout)
-        self.assertEqual({self.row(i)['state'] for i in range(4)}, {'up'})
+        self.assertEqual({self.answered(i)['state'] for i in range(4)}, {'up'})
         self.begin('cut', 'node1:node2')
-        self.wait('folded around it', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
+        self.wait('folded around it', lambda: {self.answered(i)['state'] for i in range(4)} == {'folded'})
         self.fault('heal', 'node1:node2')
         self.fault('heal', 'node2:node1')
         self.assertEqual(self.listed(), {})
         self.wait('whole', lambda: 'second line' not in self.ctl('status').stdout)
         self.begin('cut', 'node3:node0')
-        self.wait('folded', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
+        self.wait('folded', lambda: {self.answered(i)['state'] for i in range(4)} == {'folded'})
         self.begin('drop', 'node2:node1', '--packets', 3)
         self.assertEqual(self.ping(0, 2)['delivered'], 20)
         self.assertEqual(self.counters(2)['line_dropped'], 3)
@@ -163,11 +163,11 @@ class Lines(FaultTest):
         self.assertEqual(self.ping(0, 1, 9)['delivered'], 9)
         self.assertTrue(self.listed()['node1.1']['waits'])
         self.ctl('send', '--from', 'node0', '--to', 'node1', '--data', 'tenth')
-        self.wait('cut', lambda: self.row(1)['output']['state'] == 'down')
+        self.wait('cut', lambda: self.answered(1)['output']['state'] == 'down')
         self.fault('clear')
         self.wait_closed(range(3))
         self.begin('cut', 'node1:node2', '--after', '100ms', '--for', '100ms')
-        self.wait('cut', lambda: self.row(1)['output']['state'] == 'down')
+        self.wait('cut', lambda: self.answered(1)['output']['state'] == 'down')
         self.wait('its end', lambda: not self.listed())
         self.wait_closed(range(3))
 

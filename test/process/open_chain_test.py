@@ -23,7 +23,7 @@ class LimbRing(RingTest):
             self.wait_cpu(node, 'running')
 
     def latched(self):
-        return [self.row(node)['cpu']['stop']['latched'] for node in range(4)]
+        return [self.answered(node)['cpu']['stop']['latched'] for node in range(4)]
 
 
 class OpenChain(LimbRing):
@@ -33,14 +33,14 @@ class OpenChain(LimbRing):
         super().setUp()
         self.start_limbs()
         self.assertEqual(self.ctl('fault', 'cut', 'node1:node2').returncode, 0)
-        self.wait('an open chain', lambda: all(self.row(node)['state'] == 'open_chain' for node in range(4)))
+        self.wait('an open chain', lambda: all(self.answered(node)['state'] == 'open_chain' for node in range(4)))
 
     def test_a_reset_down_the_chain_is_seen_by_a_beacon(self):
-        boots = self.row(1)['cpu']['boots']
+        boots = self.answered(1)['cpu']['boots']
         reset = self.ctl_json('reset', 'node1', '--from', 'node3', '--timeout', 30)
         self.assertEqual((reset['success'], reset['effect'], reset['outcome']), (True, 'seen', 'unconfirmed'))
         self.assertIn('done, seen by', reset['message'])
-        self.assertEqual(self.row(1)['cpu']['boots'], boots + 1)
+        self.assertEqual(self.answered(1)['cpu']['boots'], boots + 1)
 
     def test_a_reset_up_the_chain_reaches_nobody_and_says_so(self):
         reset = self.ctl_json('reset', 'node3', '--from', 'node0', code=1)
@@ -51,9 +51,9 @@ class OpenChain(LimbRing):
     def test_a_reset_of_the_first_node_of_the_chain_says_what_else_resets_it(self):
         reset = self.ctl_json('reset', 'node2', code=1)
         self.assertIn("'ringctl fault reset node2'", reset['message'])
-        boots = self.row(2)['cpu']['boots']
+        boots = self.answered(2)['cpu']['boots']
         self.assertEqual(self.ctl('fault', 'reset', 'node2').returncode, 0)
-        self.wait('one boot more', lambda: self.row(2)['cpu']['boots'] == boots + 1)
+        self.wait('one boot more', lambda: self.answered(2)['cpu']['boots'] == boots + 1)
 
     def test_a_reset_from_anywhere_is_sent_from_where_it_arrives(self):
         self.assertTrue(self.ctl_json('reset', 'node3', '--timeout', 30)['success'])
@@ -111,7 +111,7 @@ class TwoParts(LimbRing):
             self.wait_cpu(node, 'running')
         for line in ('node0:node1', 'node1:node0', 'node2:node3', 'node3:node2'):
             self.assertEqual(self.ctl('fault', 'cut', line).returncode, 0)
-        self.wait('two parts', lambda: all((self.row(node)['state'], self.row(node)['ring_size']) == ('folded', 2)
+        self.wait('two parts', lambda: all((self.answered(node)['state'], self.answered(node)['ring_size']) == ('folded', 2)
                                            for node in range(4)))
         stop = self.ctl_json('stop')
         self.assertEqual([node['stop'] for node in stop['nodes']], ['stopped'] * 4)
@@ -137,7 +137,7 @@ class Stop(LimbRing):
     def test_a_resume_that_a_hung_cpu_reads_too_late_is_reported(self):
         self.start_limbs()
         self.ctl('stop')
-        pid = self.row(3)['cpu']['pid']
+        pid = self.answered(3)['cpu']['pid']
         self.stop_process(pid)
         late = self.ctl('resume', 'node3')
         self.assertEqual(late.returncode, 1, late.stdout)
@@ -164,7 +164,7 @@ class Stop(LimbRing):
     def test_a_node_that_it_did_not_reach_decides_the_exit_code(self):
         self.start_limbs()
         self.ctl('fault', 'freeze', 'node2')
-        self.wait('node2 is bypassed', lambda: self.row(0)['ring_size'] == 3)
+        self.wait('node2 is bypassed', lambda: self.answered(0)['ring_size'] == 3)
         stop = self.ctl('stop')
         self.assertEqual(stop.returncode, 4, stop.stdout)
         self.assertIn('3 of 4 stopped; not known, the daemon does not answer: node2', stop.stdout)
@@ -172,7 +172,7 @@ class Stop(LimbRing):
 
     def test_a_cpu_that_hangs_is_not_known_to_be_stopped(self):
         self.start_limbs()
-        self.stop_process(self.row(3)['cpu']['pid'])
+        self.stop_process(self.answered(3)['cpu']['pid'])
         stop = self.ctl('stop')
         self.assertEqual(stop.returncode, 4, stop.stdout)
         self.assertIn('3 of 4 stopped; told, but the CPU is silent and may not have stopped: node3', stop.stdout)
@@ -205,12 +205,12 @@ class Stop(LimbRing):
         cpu = self.port(3, role='cpu')
         self.assert_refused('allowed: true, false, "never"', cpu, {'do': 'stop_latched', 'latched': 'no'})
         cpu.ask({'do': 'stop_latched', 'latched': 'never'})
-        self.assertFalse(self.row(3)['cpu']['stop']['latches'])
+        self.assertFalse(self.answered(3)['cpu']['stop']['latches'])
         stop = self.ctl('stop', 'node3')
         self.assertEqual(stop.returncode, 0, stop.stdout)
         self.assertIn('told, and never stops: node3', stop.stdout)
         cpu.close()
-        self.wait('the CPU to be gone', lambda: self.row(3)['cpu']['stop']['latches'])
+        self.wait('the CPU to be gone', lambda: self.answered(3)['cpu']['stop']['latches'])
 
 
 class Reasons(RingTest):
@@ -228,7 +228,7 @@ class Reasons(RingTest):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = 'attached'
         self.start_ring(nodes, timeouts={'refused': '50ms'})
-        self.wait('a beacon', lambda: any(peer['id'] == 1 for peer in self.row(0)['heard']))
+        self.wait('a beacon', lambda: any(peer['id'] == 1 for peer in self.answered(0)['heard']))
         port = self.port(0)
         self.assertEqual(port.wait(port.send(1, b'x')).reason, 'probably no CPU is there (by its last beacon)')
         ping = port.ask({'do': 'ping', 'to': 1, 'count': 2}, timeout=ring_process.GUARD)

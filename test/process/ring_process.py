@@ -157,9 +157,13 @@ class RingTest(unittest.TestCase):
         except HostPortError:
             return None
 
+    def answered(self, node):
+        """A node's status row, once its daemon answers: on a busy machine it may take longer than row() waits, and one whose
+        clients are all it takes answers once it has seen the last one go."""
+        return self.wait('node %s to answer' % node, lambda: self.row(node))
+
     def counters(self, node):
-        """A daemon whose clients are all it takes answers once it has seen the last one go."""
-        return self.wait('its counters', lambda: self.row(node))['counters']
+        return self.answered(node)['counters']
 
     def wait(self, what, condition):
         """Polls until condition() is true, and returns what it returned."""

@@ -107,9 +107,9 @@ class ScenarioLive(ScenarioTest):
     def test_a_running_ring_of_the_user_is_not_touched(self):
         up = self.ctl('--ring', self.ring, 'up', '--nodes', 4, '--detach', '--timeout', 60)
         self.assertEqual(up.returncode, 0, up.stderr)
-        boots = [self.row(node)['boot'] for node in range(4)]
+        boots = [self.answered(node)['boot'] for node in range(4)]
         self.assertEqual(self.play(KILL).returncode, 0)
-        self.assertEqual([self.row(node)['boot'] for node in range(4)], boots)
+        self.assertEqual([self.answered(node)['boot'] for node in range(4)], boots)
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
 
     def test_interrupted_by_the_user(self):

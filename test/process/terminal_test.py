@@ -167,7 +167,7 @@ class FaultClear(RingTest):
     def test_returns_when_the_ring_is_whole_again(self):
         self.start_ring(plain_nodes(3), timeouts={'silence': '300ms', 'first_successor': '50ms', 'break_grace': '50ms', 'send': '100ms'})
         self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
-        self.wait('open', lambda: self.row(2)['state'] == 'open_chain')
+        self.wait('open', lambda: self.answered(2)['state'] == 'open_chain')
         done = self.ctl('fault', 'clear')
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn('it is whole again: 3 nodes up', done.stdout)
@@ -274,7 +274,7 @@ class EightyColumns(RingTest):
         nodes = [{'id': 240 + i, 'name': 'a_joint_with_quite_a_long_name%02d' % i} for i in range(8)]
         self.start_ring(nodes)
         self.ctl('fault', 'cut', '240:241')
-        self.wait('open', lambda: self.row(243)['state'] == 'open_chain')
+        self.wait('open', lambda: self.answered(243)['state'] == 'open_chain')
         for arguments in (('status',), ('status', '--watch', '--once', '--interval', '0.1')):
             plain = re.sub('\033\\[[0-9]*m', '', self.shown(*arguments))
             lines = plain.splitlines()
@@ -299,8 +299,8 @@ class EightyColumns(RingTest):
         self.start_ring(nodes)
         self.wait_cpu(1, 'running')
         self.ctl('fault', 'hang', 'node1')
-        os.kill(self.row(2)['pid'], signal.SIGSTOP)
-        self.wait('bypassed', lambda: self.row(0)['ring_size'] == 2)
+        os.kill(self.answered(2)['pid'], signal.SIGSTOP)
+        self.wait('bypassed', lambda: self.answered(0)['ring_size'] == 2)
         status = self.ctl('status').stdout.splitlines()
         top = self.ctl('status', '--watch', '--once', '--interval', '0.1').stdout.splitlines()
         self.assertTrue(top[0].startswith(status[0]), (top[0], status[0]))

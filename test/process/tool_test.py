@@ -211,9 +211,9 @@ class Tools(RingTest):
         for arguments in (['ping', '-q', '--to', '1', '--from', '0', '-f'],
                           ['ping', '--json', '--to', '1', '--from', '0', '-f', '-c', '1000000'],
                           ['send', '--from', '0', '--to', '1', '--size', '8', '-c', '1000000']):
-            before = self.row(1)['received']
+            before = self.answered(1)['received']
             tool = self.start(arguments[0], [ring_process.program('ringctl')] + arguments)
-            self.wait('some to arrive', lambda: self.row(1)['received'] > before + 10)
+            self.wait('some to arrive', lambda: self.answered(1)['received'] > before + 10)
             daemons[0].kill()
             self.assertEqual(self.wait_exit(tool), 3, self.log_of(tool))
             self.assertRegex(self.log_of(tool), r'delivered')

@@ -107,7 +107,7 @@ class UpDown(RingTest):
         self.wait('status names it', lambda: "'ringctl log node1' shows what it printed" in self.ctl('status').stdout)
         follow = self.start('log', [program('ringctl'), 'log', '-f', 'node1'])
         self.wait('shown', lambda: 'no calibration' in self.log_of(follow))
-        os.kill(self.row(0)['pid'], signal.SIGKILL)
+        os.kill(self.answered(0)['pid'], signal.SIGKILL)
         self.wait('status names the daemon', lambda: "the daemon of node0 has ended; 'ringctl log node0'"
                   in self.ctl('status').stdout)
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
@@ -173,7 +173,7 @@ class UpDown(RingTest):
 
     def test_down_ends_frozen_daemons_too(self):
         self.up('--nodes', 3)
-        os.kill(self.row(1)['pid'], signal.SIGSTOP)
+        os.kill(self.answered(1)['pid'], signal.SIGSTOP)
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
         self.assertFalse(os.path.exists(self.ring_folder()))
 
@@ -191,7 +191,7 @@ class UpDown(RingTest):
         for number in (signal.SIGINT, signal.SIGTERM):
             up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
             self.wait('said so', lambda: ' is closed: ' in self.log_of(up))
-            pids = [self.row(node)['pid'] for node in range(3)]
+            pids = [self.answered(node)['pid'] for node in range(3)]
             up.send_signal(number)
             self.assertEqual(self.wait_exit(up), 0)
             self.assertTrue(all(ring_process.is_gone(pid) for pid in pids))
@@ -207,7 +207,7 @@ class UpDown(RingTest):
     def test_daemons_die_with_a_foreground_up_that_is_killed(self):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
         self.wait('said so', lambda: ' is closed: ' in self.log_of(up))
-        pids = [self.row(node)['pid'] for node in range(3)]
+        pids = [self.answered(node)['pid'] for node in range(3)]
         up.kill()
         self.wait('daemons gone', lambda: all(ring_process.is_gone(pid) for pid in pids))
 
@@ -324,7 +324,7 @@ class UpDown(RingTest):
 
     def test_respawning_starts_a_daemon_again_that_dies_and_says_so(self):
         up = self.up_respawning('--nodes', 3)
-        before = self.row(1)['pid']
+        before = self.answered(1)['pid']
         os.kill(before, signal.SIGKILL)
         self.wait('another daemon', lambda: (self.row(1) or {'pid': before})['pid'] != before)
         self.wait_closed(range(3))
@@ -341,7 +341,7 @@ class UpDown(RingTest):
                 config = self.write_ring(plain_nodes(3), timeouts={'cpu_boot': '3s'})
                 up = self.up_respawning(config, '--clock', clock)
                 self.write_ring(plain_nodes(3), timeouts={'cpu_boot': '4s'})
-                before = self.row(1)['pid']
+                before = self.answered(1)['pid']
                 os.kill(before, signal.SIGKILL)
                 self.wait('another daemon', lambda: (self.row(1) or {'pid': before})['pid'] != before)
                 self.wait_closed(range(3))
@@ -360,7 +360,7 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'start', 'node2').returncode, 0)
         self.wait_closed(range(4))
         self.assertNotIn('is started again', self.log_of(up))
-        started = self.row(2)['pid']
+        started = self.answered(2)['pid']
         up.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(up), 0)
         self.assertTrue(ring_process.is_gone(started))
@@ -378,7 +378,7 @@ class UpDown(RingTest):
 
     def test_respawning_does_not_restart_a_ring_that_was_taken_down(self):
         up = self.up_respawning('--nodes', 3)
-        os.kill(self.row(1)['pid'], signal.SIGSTOP)  # one has to be killed
+        os.kill(self.answered(1)['pid'], signal.SIGSTOP)  # one has to be killed
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
         self.wait('said so', lambda: 'was taken down' in self.log_of(up))
         self.assertIsNone(up.poll())
@@ -406,7 +406,7 @@ class UpDown(RingTest):
         for act in ('kill', 'start'):
             self.assertEqual(self.ctl('--ring', self.ring, 'fault', act, 'node2').returncode, 0)
         self.wait_closed(range(3))
-        os.kill(self.row(1)['pid'], signal.SIGSTOP)  # takes its time to end
+        os.kill(self.answered(1)['pid'], signal.SIGSTOP)  # takes its time to end
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
         self.wait('said so', lambda: 'was taken down' in self.log_of(up))
         self.assertNotIn('is started again', self.log_of(up))

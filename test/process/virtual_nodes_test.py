@@ -15,7 +15,7 @@ class Nodes(VirtualTest, FaultTest):
     def test_a_killed_node_is_gone_when_answered_is_listed_and_started_again(self):
         self.up(plain_nodes(4))
         port = self.port(2)
-        boot = self.row(2)['boot']
+        boot = self.answered(2)['boot']
         self.assertEqual(self.begin('kill', 'node2'), ['node2.kill'])
         self.assertIsNone(self.row(2))
         with self.assertRaises(HostPortError):
@@ -32,14 +32,14 @@ class Nodes(VirtualTest, FaultTest):
         self.fault('start', 'node2')
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
-        self.assertGreater(self.row(2)['boot'], boot)
+        self.assertGreater(self.answered(2)['boot'], boot)
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
 
     def test_a_process_that_somebody_has_stopped_goes_on_by_the_command_that_is_named(self):
         self.up(plain_nodes(3))
         self.begin('kill', 'node1')
         self.begin('freeze', 'node2')
-        pid = self.row(0)['pid']
+        pid = self.answered(0)['pid']
         self.stop_process(pid)
         self.assertIn("'ringctl fault clear' thaws them", self.ctl('ping', 'node1', '-c', 1).stderr)
         self.assertIn('3 nodes up', self.fault('clear'))
@@ -85,7 +85,7 @@ class Nodes(VirtualTest, FaultTest):
         with self.assertRaises(HostPortError):
             cpu.ask({'do': 'status'})
         self.fault('start', 'node1')
-        self.assertEqual(self.row(1)['cpu']['state'], 'absent')
+        self.assertEqual(self.answered(1)['cpu']['state'], 'absent')
         again = self.port(1, role='cpu')
         self.wait_cpu(1, 'running')
         port = self.port(0)
@@ -110,15 +110,15 @@ class Nodes(VirtualTest, FaultTest):
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
         self.assertEqual(self.wait_cpu(1, 'running')['pid'], cpu['pid'])
-        self.assertGreater(self.row(1)['boot'], before['boot'], 'it has joined again')
+        self.assertGreater(self.answered(1)['boot'], before['boot'], 'it has joined again')
 
     def test_a_freeze_for_a_time_is_of_the_rings_time_and_over_when_answered(self):
         self.up(plain_nodes(3), '--pace', '100')
-        boot, start = self.row(2)['boot'], self.row(0)['uptime_s']
+        boot, start = self.answered(2)['boot'], self.answered(0)['uptime_s']
         self.assertEqual(self.fault('freeze', 'node2', '--for', '20s'), 'done: freeze node2 for=20s\n')
-        self.assertGreaterEqual(self.row(0)['uptime_s'] - start, 20)
+        self.assertGreaterEqual(self.answered(0)['uptime_s'] - start, 20)
         self.wait_closed(range(3))
-        self.assertGreater(self.row(2)['boot'], boot)
+        self.assertGreater(self.answered(2)['boot'], boot)
 
     def test_a_frozen_node_may_be_killed_and_started(self):
         self.up(plain_nodes(3))
@@ -130,25 +130,25 @@ class Nodes(VirtualTest, FaultTest):
 
     def test_a_power_cycle_gives_a_new_boot_number_a_new_cpu_and_ends_faults(self):
         self.up(self.limbs())
-        cpu, boot = self.wait_cpu(1, 'running')['pid'], self.row(1)['boot']
+        cpu, boot = self.wait_cpu(1, 'running')['pid'], self.answered(1)['boot']
         self.begin('drop', 'node1:node2', '--once-in', 1000)
         self.begin('cut', 'node1:node2')
         self.fault('power_cycle', 'node1')
-        self.assertGreater(self.row(1)['boot'], boot)
+        self.assertGreater(self.answered(1)['boot'], boot)
         self.assertTrue(is_gone(cpu))
         self.assertEqual(self.listed(), {})
         self.wait_closed(range(4))
         self.assertNotEqual(self.wait_cpu(1, 'running')['pid'], cpu)
         self.assertEqual(self.ping(0, 2)['delivered'], 20)
-        boots = [self.row(i)['boot'] for i in range(4)]
+        boots = [self.answered(i)['boot'] for i in range(4)]
         self.fault('power_cycle', 'all')
         self.wait_closed(range(4))
         for i in range(4):
-            self.assertGreater(self.row(i)['boot'], boots[i])
+            self.assertGreater(self.answered(i)['boot'], boots[i])
 
     def test_a_request_to_the_node_itself_cycles_its_power_too(self):
         self.up(plain_nodes(3))
-        boot = self.row(1)['boot']
+        boot = self.answered(1)['boot']
         with self.assertRaises(HostPortError):
             self.port(1).ask({'do': 'fault', 'fault': 'power_cycle node1'})
         self.wait('it is back', lambda: (self.row(1) or {'boot': 0})['boot'] > boot)
@@ -174,7 +174,7 @@ class Nodes(VirtualTest, FaultTest):
 
     def test_all_are_killed_and_the_ring_can_be_taken_down(self):
         config = self.up(plain_nodes(3))
-        pid = self.row(0)['pid']
+        pid = self.answered(0)['pid']
         self.begin('kill', 'all')
         self.assertEqual(self.ctl('status').returncode, 3)
         self.assertEqual(self.ctl_json('status', '--rings')[0]['nodes'], 0)
@@ -186,7 +186,7 @@ class Nodes(VirtualTest, FaultTest):
 
     def test_a_ring_with_a_frozen_and_a_killed_node_goes_down_at_once(self):
         self.up(self.limbs())
-        pid = self.row(0)['pid']
+        pid = self.answered(0)['pid']
         self.begin('freeze', 'node1')
         self.begin('kill', 'node2')
         self.assertEqual(self.ctl('--ring', self.ring, 'down').returncode, 0)
@@ -194,7 +194,7 @@ class Nodes(VirtualTest, FaultTest):
 
     def test_nothing_of_a_ring_that_was_killed_itself_is_left(self):
         config = self.up(plain_nodes(3))
-        pid = self.row(0)['pid']
+        pid = self.answered(0)['pid']
         self.begin('kill', 'node1')
         os.kill(pid, signal.SIGKILL)
         self.wait('it is gone', lambda: is_gone(pid))
@@ -238,7 +238,7 @@ class Respawn(VirtualTest):
     def test_a_virtual_ring_that_dies_is_started_again_whole(self):
         up = self.up_respawning(self.write_ring(self.limbs()))
         self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'kill', 'node0').returncode, 0)
-        before = self.row(1)['pid']
+        before = self.answered(1)['pid']
         os.kill(before, signal.SIGKILL)
         self.wait('another one', lambda: (self.row(1) or {'pid': before})['pid'] != before)
         self.wait_closed(range(4))

@@ -40,8 +40,8 @@ class Virtual(VirtualTest):
     def test_a_cut_line_is_an_open_chain_and_mended(self):
         self.up(plain_nodes(4))
         self.ring_ctl('fault', 'cut', 'node1->node2')
-        self.wait('an open chain', lambda: all(self.row(node)['state'] == 'open_chain' for node in range(4)))
-        self.assertEqual(self.row(0)['broken_line']['before'], 1)
+        self.wait('an open chain', lambda: all(self.answered(node)['state'] == 'open_chain' for node in range(4)))
+        self.assertEqual(self.answered(0)['broken_line']['before'], 1)
         self.ring_ctl('fault', 'clear')
         self.wait_closed(range(4))
 
@@ -55,8 +55,8 @@ class Virtual(VirtualTest):
         self.up(self.limbs(), supervisor={'policy': 'auto', 'grace': '1s', 'backoff': '100ms'})
         before = self.wait_cpu(1, 'running')
         os.kill(before['pid'], signal.SIGSTOP)
-        self.wait('it to run again', lambda: self.row(1)['cpu']['boots'] > before['boots'])
-        self.assertGreaterEqual(self.row(0)['supervisor']['watched'][0]['hangs'], 1)
+        self.wait('it to run again', lambda: self.answered(1)['cpu']['boots'] > before['boots'])
+        self.assertGreaterEqual(self.answered(0)['supervisor']['watched'][0]['hangs'], 1)
 
     def test_status_list_and_top_tell_the_clock(self):
         self.up(self.limbs(), '--pace', '2')
@@ -86,20 +86,21 @@ class Virtual(VirtualTest):
     def test_a_ring_that_folds_back_goes_on_around_a_cut_line_and_beside_dead_nodes(self):
         self.up(plain_nodes(6), redundancy='foldback')
         self.ring_ctl('fault', 'cut', 'node2:node3')
-        self.wait('folded', lambda: all(self.row(node)['state'] == 'folded' for node in range(6)))
+        self.wait('folded', lambda: all(self.answered(node)['state'] == 'folded' for node in range(6)))
         ping = self.ctl_json('--ring', self.ring, 'ping', 'node3', '--from', 'node2', '-c', '20', '-f', '-q')
         self.assertEqual(ping['delivered'], 20)
         self.ring_ctl('fault', 'power_cycle', 'node4')
-        self.wait('folded again', lambda: all(self.row(node)['state'] == 'folded' for node in range(6)))
+        self.wait('folded again', lambda: all(self.answered(node)['state'] == 'folded' for node in range(6)))
         self.ring_ctl('fault', 'kill', 'node5')
-        self.wait('five', lambda: all(self.row(node)['ring_size'] == 5 for node in range(5)))
+        self.wait('five', lambda: all(self.answered(node)['ring_size'] == 5 for node in range(5)))
         self.ring_ctl('fault', 'clear')
         self.wait_closed(range(6))
 
     def test_its_time_goes_on_at_the_pace_asked_for(self):
         self.up(plain_nodes(3), '--pace', '50')
-        start = self.row(0)['uptime_s']
-        self.wait('more time than a live ring would have had', lambda: self.row(0)['uptime_s'] > start + 2 * ring_process.GUARD)
+        start = self.answered(0)['uptime_s']
+        self.wait('more time than a live ring would have had',
+                  lambda: self.answered(0)['uptime_s'] > start + 2 * ring_process.GUARD)
 
     def test_a_client_of_another_version_is_refused_by_nodes_and_by_the_ring(self):
         self.up(plain_nodes(3))

@@ -46,11 +46,11 @@ class Watching(WatchingTest):
         self.send_delivered(0, 2)
         self.send_delivered(1, 255)
         daemons[3].kill()
-        self.wait('a ring of three', lambda: self.row(0)['ring_size'] == 3)
+        self.wait('a ring of three', lambda: self.answered(0)['ring_size'] == 3)
         self.send_delivered(0, 2)
         os.remove(os.path.join(self.ring_folder(), '3.watch'))  # of the dead one
         self.ringd(os.path.join(self.folder, 'ring.yaml'), 3)
-        self.wait('a ring of four', lambda: self.row(3) and self.row(0)['ring_size'] == 4)
+        self.wait('a ring of four', lambda: self.row(3) and self.answered(0)['ring_size'] == 4)
         self.wait('the new one is watched', lambda: self.is_watched(3))
         self.send_delivered(0, 3)
         said = self.end(watch)
@@ -82,7 +82,7 @@ class Watching(WatchingTest):
         self.assertIn('every promise was kept', self.end(watch))
 
     def babbled_at(self, node):
-        fault, = self.row(node)['faults']
+        fault, = self.answered(node)['faults']
         return fault['hits']
 
     def test_ends_by_itself_and_costs_nothing_afterwards(self):
@@ -204,7 +204,7 @@ class SavedByThemselves(WatchingTest):
         os.kill(keeper, signal.SIGCONT)
         self.let_look(keeper)
         self.wait('the ring is closed', lambda: self.is_closed(range(3)))
-        os.kill(self.row(1)['pid'], signal.SIGKILL)
+        os.kill(self.answered(1)['pid'], signal.SIGKILL)
         self.wait('saved', lambda: 'recordings are saved in' in self.read(log))
         saved, = self.saved()
         self.assertRegex(saved, '^%s-.*-crash$' % self.ring)
@@ -248,7 +248,7 @@ class SavedByThemselves(WatchingTest):
         log = self.up(['break', 'crash'])
         self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
         self.wait('saved', lambda: 'recordings are saved in' in self.read(log))
-        os.kill(self.row(2)['pid'], signal.SIGKILL)
+        os.kill(self.answered(2)['pid'], signal.SIGKILL)
         self.wait('saved again', lambda: self.read(log).count('recordings are saved in') == 2)
         self.assertEqual([name.rsplit('-', 1)[1] for name in self.saved()], ['break', 'crash'])
 
@@ -285,7 +285,7 @@ class SavedByThemselves(WatchingTest):
         for i in range(3):
             os.makedirs(os.path.join(self.saves, '%s-2020-01-01_00000%d_000-crash' % (self.ring, i)))
         os.makedirs(os.path.join(self.saves, 'other-2020'))
-        os.kill(self.row(1)['pid'], signal.SIGKILL)
+        os.kill(self.answered(1)['pid'], signal.SIGKILL)
         left = '%s-2020-01-01_000002_000-crash' % self.ring
         self.wait('only the newest are left', lambda: len(self.saved()) == 3 and left in self.saved())
         self.assertIn('other-2020', self.saved())
