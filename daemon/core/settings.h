@@ -94,6 +94,8 @@ struct Settings {
   /// Time-out of one try: two laps, and never less than send_timeout_least. In a ring that folds back a lap includes
   /// the second line's delays even while nothing is folded: a packet may leave before a fold. (ours)
   Duration send_timeout() const { return std::max(send_timeout_least, 2 * (worst_lap() + second_line_lap())); }
+  /// Where the ring falls into parts: a try of a packet leaves no later than that after the first one. (ours)
+  Duration tries_last() const { return wire::kTries * send_timeout(); }
   Duration second_line_lap() const {
     if (!fold_back) return Duration{0};
     return all_delays.count() != 0 ? all_delays : nodes() * relay_delay;

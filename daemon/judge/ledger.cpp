@@ -200,6 +200,7 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet
     Sent* sent = find(source, token);
     if (over(sent) || !packet.matches(*sent) || !sent->may_leave(since)) continue;
     sent->left = true;
+    sent->first_try = code.attempt == 0 ? since : sent->asked;
     sent->refused_at = core::kNever;
     sent->decided_from = sent->decisions.size();
     slot.begin(token);

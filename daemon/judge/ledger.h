@@ -87,6 +87,7 @@ struct Sent {
   bool repeated = false;             ///< one of them was a retry
   unsigned attempts = 0;             ///< tries of its last packet
   bool may_have_failed = false;      ///< its last try may have come home damaged
+  Time first_try{};                  ///< when the first byte of its last packet left; if that was not seen, asked
   Time last_try{};                   ///< when the first byte of its last try left
   Time home_at = core::kNever;       ///< when the last bit of that try was back
   int home_fbc = 0;                  ///< with this FBC
@@ -123,8 +124,8 @@ struct Sent {
     a("token", token)("source", source)("destination", destination)("queue", queue)("channel", channel)("size", size);
     a("checksum", checksum)("source_incarnation", source_incarnation)("asked", asked)("asked_in_ring", asked_in_ring);
     a("ahead", ahead)("queue_shared", queue_shared)("left", left)("tries", tries)("repeated", repeated);
-    a("attempts", attempts)("may_have_failed", may_have_failed)("last_try", last_try)("home_at", home_at);
-    a("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
+    a("attempts", attempts)("may_have_failed", may_have_failed)("first_try", first_try)("last_try", last_try);
+    a("home_at", home_at)("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
     a("first_refused", first_refused)("refused_at", refused_at)("forgotten_at", forgotten_at)("ended", ended)(
         "ended_at", ended_at)("end", end);
     a("in_doubt", in_doubt)("clock_stood", clock_stood)("unread", unread)("decisions", decisions)(

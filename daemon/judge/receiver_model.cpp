@@ -135,7 +135,7 @@ void ReceiverModel::doubt(const PacketFields& packet) {
 // Nothing: it is none.
 std::optional<ReceiverModel::Answer> ReceiverModel::of_unaware_peers_retry(const PacketFields& packet, Time at) {
   // The hello may have gone round in one of two parts alone.
-  const core::Duration tries = falls_into_parts_ ? wire::kTries * horizon_ : core::Duration{0};
+  const core::Duration tries = falls_into_parts_ ? (wire::kTries + 1) * horizon_ : core::Duration{0};
   const auto known_to_all = [&](Time announced) { return announced != core::kNever && at - announced >= tries; };
   if (packet.code().attempt == 0 || known_to_all(announced_)) return std::nullopt;
   if (!known_to_all(perhaps_announced_)) return Answer::none;
@@ -305,9 +305,16 @@ void ReceiveBuffers::never_took(const core::ReceivedPacket& packet) const {
 }
 
 void ReceiveBuffers::check_priority(const core::ReceivedPacket& packet, Time now) const {
-  const auto waits = [&](const Unread& unread) { return unread.sure && unread.at <= now; };
+  // What is in before an earlier one of its priority waits for that. (a line that gives out at once what it held back)
+  const auto waits = [&](const std::deque<Unread>& unread) {
+    for (const Unread& one : unread) {
+      if (one.at > now) return false;
+      if (one.sure) return true;
+    }
+    return false;
+  };
   for (std::uint8_t higher = 0; higher < packet.priority; ++higher)
-    if (std::any_of(unread_[higher].begin(), unread_[higher].end(), waits))
+    if (waits(unread_[higher]))
       complain_(Promise::priority_first, "the CPU of " + node_words(node_) + " got a packet of priority " +
                                              std::to_string(packet.priority) + " while one of priority " +
                                              std::to_string(higher) + " waited");

@@ -116,7 +116,7 @@ static_assert(kPacketTag < kMuchLater);
 
 namespace limb_ring::recorder {
 
-constexpr std::array<char, 8> kMagic{'l', 'i', 'm', 'b', 'r', 'e', 'c', '6'};
+constexpr std::array<char, 8> kMagic{'l', 'i', 'm', 'b', 'r', 'e', 'c', '7'};
 constexpr std::size_t kTitleSize = 16384;
 
 /// What does not change while a node lives.

@@ -51,6 +51,11 @@ bool ResultJudge::receiver_forgot() const {
   return sent_.forgotten_at != core::kNever && sent_.last_try <= sent_.forgotten_at;
 }
 
+// Where the ring falls into parts, no retry leaves later than that. (protocol.md section 4.3)
+bool ResultJudge::tries_are_over() const {
+  return settings_.falls_into_parts() && sent_.ended_at >= sent_.first_try + settings_.tries_last();
+}
+
 const char* ResultJudge::against_delivered() const {
   if (!home() && !sent_.clock_stood) return ", and it did not come home then";
   return is_taken(sent_.home_fbc) ? nullptr : ", and it came home untaken";
@@ -80,7 +85,7 @@ const char* ResultJudge::against_lost() const {
   // A try that comes home late has failed, also if its retry has not left yet. (protocol.md sections 4.2 and 4.6)
   const bool late = sent_.ended_at - sent_.last_try >= settings_.send_timeout();
   if (home()) return sent_.repeated || sent_.may_have_failed || late ? nullptr : ", and its first try came home";
-  return sent_.attempts == wire::kTries ? nullptr : ", and it had tries left";
+  return sent_.attempts == wire::kTries || tries_are_over() ? nullptr : ", and it had tries left";
 }
 
 const char* ResultJudge::against_unconfirmed() const {

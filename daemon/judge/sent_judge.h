@@ -38,6 +38,7 @@ class ResultJudge {
   bool home() const { return sent_.home_at == sent_.ended_at; }
   bool overdue() const { return sent_.ended_at >= sent_.asked + settings_.queue_timeout; }
   bool receiver_forgot() const;
+  bool tries_are_over() const;
   const char* against_delivered() const;
   const char* against_refused() const;
   const char* against_no_such_node() const;

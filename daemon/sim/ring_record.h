@@ -43,9 +43,9 @@ struct NodeRecord {
   }
 
   /// A line has come up or gone, or seems so by a fold word: a node that is starting may start over, which it does not
-  /// show; if the ring folds back, a joining node may say another hello.
+  /// show; a joining node may say another hello, which may have to wait for the output.
   void line_may_have_changed() {
-    if (settings.fold_back) control.may_be_dropped = true;
+    control.may_be_dropped = true;
     if (history.state == core::NodeState::starting) receiver.may_start_over();
   }
   /// Its clock has stood: the last bit of what was coming in then is in so much later, by that clock.

@@ -148,6 +148,26 @@ TEST_F(Retry, ThatNeverGetsOntoTheLineEndsLostInTime) {
   EXPECT_THAT(solo.ends(), ElementsAre(Field(&SendEnded::outcome, Outcome::lost)));
 }
 
+/// Its receiver may start meanwhile, and hear this node later: then the tries must be over.
+TEST(RetryInARingOfParts, DoesNotWaitForTheLineLongerThanTheTriesOfAPacketLast) {
+  SoloNode solo{Duration{0}, [](Settings& s) { s.several_hosts = true; }};
+  solo.join();
+  const Bytes data = text("payload");
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.node().interrupt({1, 2, 2_id, wire::Factor{1}}, solo.now());
+  solo.run();
+  solo.line();
+  solo.node().set_output_ready(false);
+  solo.run_for(4 * solo.node().settings().send_timeout() - Duration{1});
+  EXPECT_THAT(solo.ends(), IsEmpty());
+  solo.run_for(Duration{1});
+  const auto is_lost = Field(&SendEnded::outcome, Outcome::lost);
+  EXPECT_THAT(solo.ends(), ElementsAre(is_lost, is_lost));
+  solo.node().set_output_ready(true);
+  solo.run_for(1ms);
+  EXPECT_EQ(solo.counters().retries, 0u);
+}
+
 TEST_F(Retry, LateReturnAfterTheEndIsDiscardedAndCounted) {
   send();
   const Bytes packet = sent();

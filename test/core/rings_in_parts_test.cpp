@@ -334,7 +334,7 @@ TEST_F(PartOfSeveralHosts, ARetryOfANodeThatWasOutOfReachIsNotTaken) {
   EXPECT_EQ(solo.counters().retries_of_unheard_nodes, 1u);
 }
 
-TEST_F(PartOfSeveralHosts, ARetryIsNotTakenWithinTheTimeOfFourTriesAfterTheNodeWasHeardAgain) {
+TEST_F(PartOfSeveralHosts, ARetryIsNotTakenWhileTheTriesOfPacketsOfBeforeTheOwnStartMayGoOn) {
   Bytes hello(wire::kHelloSize);
   wire::encode(wire::Hello{50}, hello.data());
   solo.receive(SliceKind::whole, Foreign{0, wire::kBroadcast}.with_pri(kControlPri).with(hello));

@@ -135,14 +135,14 @@ struct UnawareSourceOfTheOtherPart : testing::Test {
 };
 
 TEST_F(UnawareSourceOfTheOtherPart, ARetryOfItPullsNoPinWhileItMayBeOfAPacketTakenBefore) {
-  solo.run_for(4 * solo.node().settings().send_timeout() - Duration{1});
+  solo.run_for(5 * solo.node().settings().send_timeout() - Duration{1});
   solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 3));
   EXPECT_EQ(solo.counters().pins_pulled, 0u);
   EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 1u);
 }
 
 TEST_F(UnawareSourceOfTheOtherPart, ARetryOfItPullsAPinOnceTheTriesOfPacketsOfThenAreOver) {
-  solo.run_for(4 * solo.node().settings().send_timeout());
+  solo.run_for(5 * solo.node().settings().send_timeout());
   solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 1));
   EXPECT_EQ(solo.counters().pins_pulled, 1u);
 }

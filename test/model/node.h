@@ -48,7 +48,9 @@ struct Flight {
   int attempt = 0;
   Packet sent;                      ///< as it went onto the line last
   Time left{};                      ///< its first byte, of the last try
+  Time first_left{};                ///< ... of the first try
   std::optional<Time> waits_since;  ///< that retry waits for the line
+  Time waits_until{};               ///< it waits no longer (protocol.md section 4.3)
   bool not_repeated = false;        ///< its destination has started again (protocol.md section 4.10)
 };
 

@@ -70,7 +70,7 @@ bool Node::is_unheard_nodes_retry(const Packet& packet) const {
 bool Node::is_unaware_nodes_retry(const Packet& packet, Time at) const {
   if (packet.attempt() == 0) return false;
   if (announced_at_ == kNever) return true;
-  return falls_into_parts() && at - announced_at_ < 4 * try_timeout();
+  return falls_into_parts() && at - announced_at_ < 5 * try_timeout();
 }
 
 /// What was decided of this packet before; null: it is new.

@@ -150,7 +150,10 @@ void Node::end_unconfirmed(Time now) {
 void Node::try_failed(Unit& unit, Time at) {
   Flight& flight = *unit.flight;
   flight.send.repeated = true;
-  if (flight.send.cancelled || flight.not_repeated || flight.attempt == 3)
+  flight.waits_until = at + settings_.queue_timeout;
+  if (falls_into_parts() && !flight.send.control())
+    flight.waits_until = std::min(flight.waits_until, flight.first_left + 4 * try_timeout());
+  if (flight.send.cancelled || flight.not_repeated || flight.attempt == 3 || flight.waits_until <= at)
     return end_flight(unit, Outcome::lost, Duration{0}, at, false);
   flight.waits_since = at;
 }
@@ -239,6 +242,7 @@ Packet Node::launch(Unit& unit, Time now) {
   Flight& flight = *unit.flight;
   ++flight.send.tries;
   flight.left = now;
+  if (flight.attempt == 0) flight.first_left = now;
   const int code = code_byte(boot_, unit.interrupt, flight.attempt, flight.sequence);
   flight.sent = make_packet(code, id(), flight.send.destination, flight.send.last, flight.send.data);
   const Packet packet = flight.sent;
@@ -254,7 +258,7 @@ Packet Node::launch(Unit& unit, Time now) {
 // ---- time: protocol.md sections 4.3 and 4.5 -----------------------------------------------------------------------
 
 void Node::unit_timers(Unit& unit, Time now) {
-  if (unit.flight && unit.flight->waits_since && *unit.flight->waits_since + settings_.queue_timeout <= now)
+  if (unit.flight && unit.flight->waits_since && unit.flight->waits_until <= now)
     end_flight(unit, Outcome::lost, Duration{0}, now, false);
   if (unit.flight && !unit.flight->waits_since && unit.flight->left + try_timeout() <= now) try_failed(unit, now);
   for (auto& queue : unit.queues) {
@@ -269,9 +273,7 @@ void Node::unit_timers(Unit& unit, Time now) {
 
 Time Node::unit_deadline(const Unit& unit) const {
   Time next = kNever;
-  if (unit.flight)
-    next = unit.flight->waits_since ? *unit.flight->waits_since + settings_.queue_timeout
-                                    : unit.flight->left + try_timeout();
+  if (unit.flight) next = unit.flight->waits_since ? unit.flight->waits_until : unit.flight->left + try_timeout();
   for (const auto& queue : unit.queues)
     if (!queue.empty()) next = std::min(next, queue.front().asked + settings_.queue_timeout);
   return next;

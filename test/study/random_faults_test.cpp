@@ -232,6 +232,23 @@ TEST(RandomFaults, BreakNoPromiseIfATryComesHomeLate) {
   expect_no_breach(RandomFaults::Origin{5300320, RandomFaults::FoldBack::some, RandomFaults::World::wide});
 }
 
+// An INTP had been taken by a node that then started again. Its source was cut off meanwhile, and its retries waited
+// for the line so long that the node held them for the first that came of it.
+TEST(RandomFaults, BreakNoPromiseIfASourceThatWasCutOffComesBackLate) {
+  expect_no_breach(RandomFaults::Origin{566928041346, RandomFaults::FoldBack::some, RandomFaults::World::storms});
+}
+
+// The two raised false alarms. A line gave out in one instant what it had held back, so of two packets of one priority
+// the later was in before the earlier, and had to wait for it. A joining node had said its hello again, which waited
+// for the output, and the one before came home.
+TEST(RandomFaults, BreakNoPromiseIfALineGivesOutAtOnceWhatItHeldBack) {
+  expect_no_breach(RandomFaults::Origin{566928034859, RandomFaults::FoldBack::some, RandomFaults::World::storms});
+}
+
+TEST(RandomFaults, BreakNoPromiseIfAHelloComesHomeThatWasSaidAgain) {
+  expect_no_breach(RandomFaults::Origin{566928005005, RandomFaults::FoldBack::some, RandomFaults::World::wide});
+}
+
 // Wherever it is: while the nodes join, under faults, when all was mended, and with traffic once more.
 TEST(RandomFaults, StopWhenAsked) {
   const auto asked_in_all = [](unsigned stop_at) {

@@ -1,5 +1,7 @@
 #include "core/transmit/send_unit.h"
 
+#include <algorithm>
+
 namespace limb_ring::core {
 
 namespace {
@@ -75,8 +77,17 @@ void SendUnit::returned_damaged(Time at) {
 void SendUnit::fail_try(Time at) {
   Send& send = outstanding();
   send.repeated = true;
-  if (!send.told && !send.forgotten && flight_.retry(at)) return;
+  const Time until = retry_until(send, at);
+  if (!send.told && !send.forgotten && at < until && flight_.retry(at, until)) return;
   give_up(at);
+}
+
+// Where the ring falls into parts, its receiver may start while this node is cut off, and hear it again later: by then
+// the tries must be over. (ours, protocol.md section 4.10)
+Time SendUnit::retry_until(const Send& send, Time at) const {
+  const Time until = at + settings_.queue_timeout;
+  const bool may_be_taken_twice = settings_.falls_into_parts() && send.end.owner != kController;
+  return may_be_taken_twice ? std::min(until, flight_.first_sent_at() + settings_.tries_last()) : until;
 }
 
 void SendUnit::give_up(Time at) {
@@ -85,11 +96,11 @@ void SendUnit::give_up(Time at) {
 }
 
 void SendUnit::handle_try_timeout(Time now) {
-  if (flight_.deadline() <= now) {
+  if (flight_.phase() == Flight::Phase::out && flight_.deadline() <= now) {
     ++counters_.timeouts;
     fail_try(now);
   }
-  if (flight_.phase() == Flight::Phase::waiting && try_deadline() <= now) give_up(now);
+  if (flight_.phase() == Flight::Phase::waiting && flight_.deadline() <= now) give_up(now);
 }
 
 void SendUnit::end_outstanding(Outcome outcome, Time at, Duration round_trip) {
@@ -142,6 +153,7 @@ wire::ByteView Flight::launch(Time now, Duration timeout) {
   wire::store_u32(bytes_->data() + covered, wire::crc32({bytes_->data(), covered}));
   phase_ = Phase::out;
   since_ = sent_at_ = now;
+  if (code_.attempt == 0) first_sent_at_ = now;
   deadline_ = now + timeout;
   return image();
 }
@@ -153,11 +165,12 @@ bool Flight::is_return(const wire::PacketFields& packet) const {
   return packet.destination() == sent.destination() && packet.last() == sent.last() && as_sent == sent.crc();
 }
 
-bool Flight::retry(Time now) {
+bool Flight::retry(Time now, Time until) {
   if (code_.attempt == wire::kTries - 1) return false;
   ++code_.attempt;
   phase_ = Phase::waiting;
   since_ = now;
+  deadline_ = until;
   return true;
 }
 

@@ -22,8 +22,10 @@ class Flight {
   Phase phase() const { return phase_; }
   bool idle() const { return phase_ == Phase::idle; }
   Time waiting_since() const { return since_; }
-  Time deadline() const { return phase_ == Phase::out ? deadline_ : kNever; }
+  /// Of the try that is out, or until when the next one may wait for the line.
+  Time deadline() const { return phase_ == Phase::idle ? kNever : deadline_; }
   Time sent_at() const { return sent_at_; }
+  Time first_sent_at() const { return first_sent_at_; }
   wire::ByteView image() const { return {bytes_->data(), size_}; }
   wire::NodeId destination() const { return wire::PacketFields{image()}.destination(); }
 
@@ -35,14 +37,15 @@ class Flight {
   /// True if `packet` is what was sent last: Code, DID, last field, size, and the data through
   /// the CRC with HOP and FBC put back. (ours, protocol.md section 4.2) @pre its CRC is good
   bool is_return(const wire::PacketFields& packet) const;
-  /// A try has failed. @return false if no more are left
-  bool retry(Time now);
+  /// A try has failed. @param until when the next one may wait for the line @return false if no more are left
+  bool retry(Time now, Time until);
   void clear() { phase_ = Phase::idle; }
   /// archive.h
   template <class Archive>
   void archive(Archive& a) {
     a("phase", phase_)("interrupt", code_.interrupt)("attempt", code_.attempt)("sequence", code_.sequence);
-    a("incarnation", code_.incarnation)("since", since_)("sent_at", sent_at_)("deadline", deadline_);
+    a("incarnation", code_.incarnation)("since", since_)("sent_at", sent_at_)("first_sent_at", first_sent_at_);
+    a("deadline", deadline_);
     a("size", size_)("bytes", *bytes_, size_);
   }
 
@@ -50,7 +53,8 @@ class Flight {
   Phase phase_ = Phase::idle;
   wire::Code code_;
   Time since_{};
-  Time sent_at_{};  ///< first byte of the last try
+  Time sent_at_{};        ///< first byte of the last try
+  Time first_sent_at_{};  ///< ... of the first try
   Time deadline_{};
   std::size_t size_ = 0;
   using Bytes = std::array<std::uint8_t, wire::kMaxDataPacketSize>;
@@ -178,10 +182,7 @@ class SendUnit {
   void tell(Send& send, Outcome outcome, Time at, Duration round_trip = Duration{0});
   void handle_try_timeout(Time now);
   /// When handle_try_timeout() has something to do.
-  Time try_deadline() const {
-    const bool waits = flight_.phase() == Flight::Phase::waiting;
-    return waits ? flight_.waiting_since() + settings_.queue_timeout : flight_.deadline();
-  }
+  Time try_deadline() const { return flight_.deadline(); }
   Time overdue_at(const Send& send) const { return send.asked + settings_.queue_timeout; }
   void give_up(Time at);
   /// A send that has its result already is not repeated, even if its retry waits for the line.
@@ -204,6 +205,7 @@ class SendUnit {
 
  private:
   void fail_try(Time at);
+  Time retry_until(const Send& send, Time at) const;
   void decide(std::uint8_t fbc, Time at);
 
   bool open_chain_ = false;
