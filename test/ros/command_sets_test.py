@@ -15,9 +15,10 @@ NEAR = 0.01   # rad
 
 
 class CommandSets(unittest.TestCase):
-    def setUp(self):
-        self.publishers = []
-        self.addCleanup(lambda: [publisher.unregister() for publisher in self.publishers])
+    # One for each ring in all tests: of a topic that is given up and published again at once, roscpp may connect to the
+    # new publisher, drop that connection, since it hears only now that the old one is gone, and connect once more. What
+    # was published meanwhile is lost.
+    commands = {}
 
     def ring(self, name):
         self.states = Newest('/%s/joint_states' % name, JointState)
@@ -25,9 +26,9 @@ class CommandSets(unittest.TestCase):
         ring = Ring('/%s/ring_status' % name)
         ring.status.wait(lambda status: status.connected and not status.silent_joints, 'joints of %s' % name)
         self.status = ring.status
-        commands = publisher_across('/%s/joint_commands' % name, JointState)
-        self.publishers.append(commands)
-        return commands
+        if name not in self.commands:
+            self.commands[name] = publisher_across('/%s/joint_commands' % name, JointState)
+        return self.commands[name]
 
     def counter(self, name, node=None):
         """Of the bridge, or of the body's network controller."""
