@@ -252,7 +252,6 @@ for title, expected, what, value in (
 
 @case('6.8', 'its predecessor is accepted', 'a connect of node up, which is connected already: a restart', '`accept`')
 def _(p):
-    p.clean = p.bench.line == 'udp'
     p.expect('the answer', answer_of(p).type, wire.ACCEPT)
 
 

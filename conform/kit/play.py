@@ -156,6 +156,8 @@ class Play:
         before = len(self.answers)
         fields.setdefault('more', self.config.agreement)
         kind = fields.pop('kind', wire.CONNECT)
+        if self.bench.line != 'udp':
+            self.line_ended(('asks', node))  # a connect is a connection of its own, in place of the one before
 
         def answered():
             return [one for one in self.answers[before:] if one.type in (wire.ACCEPT, wire.REFUSE)]
