@@ -1,6 +1,7 @@
 #include "model/comparison.h"
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 
 #include "judge/replay.h"
@@ -77,19 +78,25 @@ bool same(const std::vector<Given>& a, const std::vector<Given>& b) {
                     [](const Given& x, const Given& y) { return x.kind == y.kind && x.bytes == y.bytes; });
 }
 
-/// Those of one source, or of all others.
-std::vector<Given> of_source(const std::vector<Given>& slices, int source, bool its) {
-  std::vector<Given> some;
-  for (const Given& slice : slices)
-    if ((slice.bytes.size() > 3 && slice.bytes[3] == source) == its) some.push_back(slice);
-  return some;
+template <class Predicate>
+bool same_of(const std::vector<Given>& a, const std::vector<Given>& b, Predicate of_them) {
+  const auto some = [&](const std::vector<Given>& all) {
+    std::vector<Given> chosen;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(chosen), of_them);
+    return chosen;
+  };
+  return same(some(a), some(b));
 }
 
 /// On a line without a rate an own packet and a relayed one may both become due in one instant; the one may even be
-/// why the other is sent, as a beacon that tells of a new break. Which is first is open then. (protocol.md section 2.4)
-bool same_but_for_a_tie(const std::vector<Given>& a, const std::vector<Given>& b, int own) {
-  return same(of_source(a, own, true), of_source(b, own, true)) &&
-         same(of_source(a, own, false), of_source(b, own, false));
+/// why the other is sent, as a beacon that tells of a new break. Which is first is open then. So it is of an own INTP
+/// and an own DATP in a node that had stood still. (protocol.md section 2.4)
+bool same_but_for_a_tie(const std::vector<Given>& a, const std::vector<Given>& b, int own, bool stood_still) {
+  const auto is_own = [&](const Given& slice) { return slice.bytes.size() > 3 && slice.bytes[3] == own; };
+  const auto is_intp = [&](const Given& slice) { return stood_still && slice.kind == SliceKind::interrupt; };
+  return same_of(a, b, [&](const Given& slice) { return is_own(slice) && is_intp(slice); }) &&
+         same_of(a, b, [&](const Given& slice) { return is_own(slice) && !is_intp(slice); }) &&
+         same_of(a, b, [&](const Given& slice) { return !is_own(slice); });
 }
 
 }  // namespace
@@ -134,6 +141,7 @@ void Comparison::goes_in(const core::Input& input, Time now) {
   ran_ = std::holds_alternative<core::input::Run>(input);
   if (trace != 0) note(recorder::describe({now_, input}));
   model_.apply(input, now_);
+  if (ran_ && stands_still_) went_on_ = now_;
   stands_still_ = stands_still_ && !ran_;
   due_ = now == kNever || stands_still_ ? kNever : std::max(now_, model_.next_deadline(now_));
 }
@@ -156,7 +164,7 @@ void Comparison::goes_out(core::Line line, wire::ByteView framed_slices) {
   specified = joined(specified);
   const core::Settings& settings = controller_.settings();
   if (!same(given, specified) &&
-      !(settings.byte_time_out == Duration{0} && same_but_for_a_tie(given, specified, settings.id)))
+      !(settings.byte_time_out == Duration{0} && same_but_for_a_tie(given, specified, settings.id, went_on_ == now_)))
     differ(what_goes_onto(line), words(specified), words(given));
   specified.clear();
 }

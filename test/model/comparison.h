@@ -57,6 +57,7 @@ class Comparison final : public core::Journal {
   Time due_ = core::kNever;  ///< the specification has something to do then
   bool ran_ = false;         ///< run() was the last call
   bool stands_still_ = false;
+  Time went_on_ = core::kNever;  ///< it had stood still, and ran again in that instant
   std::uint64_t compared_ = 0;
   std::deque<std::string> last_;
   std::optional<Difference> difference_;

@@ -144,7 +144,7 @@ TEST(Model, aCoreDoesWhatTheSpecificationSaysInHistoriesThatOnceShowedSomething)
   // Rings that fall into parts.
   for (const std::uint64_t seed : {700115, 700273, 2001000048, 2001000117})
     compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::parts);
-  for (const std::uint64_t seed : {5200001049, 5300000396, 63282486801, 63282487000})
+  for (const std::uint64_t seed : {5200001049, 5300000396, 63282486801, 63282487000, 509497835283})
     compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::storms);
   // A send into an open chain ends as it leaves; a beacon that follows says what was known then, not what comes next.
   for (const std::uint64_t seed : {745543243013, 745543243157, 63282411701, 935847414367})
