@@ -387,8 +387,8 @@ void Membership::act_on_time(Time now) {
   if (timers_.due(Timer::hello, now)) hello_lost(now);
   if (timers_.due(Timer::beacon, now)) {
     timers_.start(Timer::beacon, now + beacon_period_);
+    look_for_folds(now);  // first: the beacon says what is known after it
     beacon_changed(now);
-    look_for_folds(now);
   }
 }
 
