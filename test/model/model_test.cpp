@@ -142,7 +142,7 @@ TEST(Model, aCoreDoesWhatTheSpecificationSaysInHistoriesThatOnceShowedSomething)
   // Where all are to fold back.
   for (const std::uint64_t seed : {21030, 21075, 41092, 41098}) compare(seed, tally, RandomFaults::FoldBack::all);
   // Rings that fall into parts.
-  for (const std::uint64_t seed : {700115l, 700273l, 2001000048l, 2001000117l, 509497814052l})
+  for (const std::uint64_t seed : {700115l, 700273l, 2001000048l, 2001000117l, 509497814052l, 43043202304l})
     compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::parts);
   for (const std::uint64_t seed : {5200001049, 5300000396, 63282486801, 63282487000, 509497835283})
     compare(seed, tally, RandomFaults::FoldBack::some, RandomFaults::World::storms);

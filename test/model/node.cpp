@@ -44,7 +44,7 @@ void Node::apply(const core::Input& what, Time now) {
 // ---- lines ------------------------------------------------------------------------------------
 
 void Node::input_up(int from, Time now) {
-  break_off_input(now);
+  input_gap(now);
   input_is_another();
   own_break_ends();
   in_.up = in_.was_up = true;
@@ -62,6 +62,7 @@ void Node::input_lost(Time now) {
   in_.lost_since_home = true;
   lines_changed(now);
   watch_for_break(now);
+  new_hello_when_due(now);  // what was broken off may have ended what was out
 }
 
 void Node::input_is_another() {
@@ -69,7 +70,10 @@ void Node::input_is_another() {
     for (auto& [kind, decided] : page.decided) decided.on_former_input = true;
 }
 
-void Node::input_gap(Time now) { break_off_input(now); }
+void Node::input_gap(Time now) {
+  break_off_input(now);
+  new_hello_when_due(now);
+}
 
 void Node::output_up(int to, Time now) {
   drop_output(now);
