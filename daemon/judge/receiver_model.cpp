@@ -307,11 +307,9 @@ void ReceiveBuffers::never_took(const core::ReceivedPacket& packet) const {
 void ReceiveBuffers::check_priority(const core::ReceivedPacket& packet, Time now) const {
   // What is in before an earlier one of its priority waits for that. (a line that gives out at once what it held back)
   const auto waits = [&](const std::deque<Unread>& unread) {
-    for (const Unread& one : unread) {
-      if (one.at > now) return false;
-      if (one.sure) return true;
-    }
-    return false;
+    const auto stops = [&](const Unread& one) { return one.sure || one.at > now; };
+    const auto first = std::find_if(unread.begin(), unread.end(), stops);
+    return first != unread.end() && first->at <= now;
   };
   for (std::uint8_t higher = 0; higher < packet.priority; ++higher)
     if (waits(unread_[higher]))

@@ -135,7 +135,7 @@ class Reset(RingTest):
         self.assertIn(taken, range(4, 13))  # 4 in the buffers, and what the CPU had asked for before, at most 8
         self.assertEqual(self.answered(1)['waiting'], 4)
         self.assertTrue(self.ctl_json('reset', 1, '--from', 0, '--timeout', 30)['success'])
-        row = self.row(1)
+        row = self.answered(1)
         self.assertEqual(row['counters']['flushed_on_reset'], 4)
         self.assertEqual(row['waiting'], 0)
 
@@ -208,10 +208,10 @@ class Presence(RingTest):
 
     def test_node_without_cpu_reads_and_counts(self):
         self.start_ring(plain_nodes(2))
-        before = self.row(1)
+        before = self.answered(1)
         self.assertEqual(before['cpu']['state'], 'none')
         self.ctl_json('send', '--from', 0, '--to', 1, '--size', 512, '--count', 100)
-        after = self.row(1)
+        after = self.answered(1)
         self.assertEqual(after['received'] - before['received'], 100)
         self.assertEqual(after['waiting'], 0)
 

@@ -175,7 +175,7 @@ class Nodes(FaultTest):
         daemons = self.start_ring(nodes)
         cpu, boot = self.wait_cpu(1, 'running')['pid'], self.answered(1)['boot']
         self.fault('power_cycle', 'node1')
-        row = self.row(1)
+        row = self.answered(1)
         self.assertGreater(row['boot'], boot)
         self.assertEqual((row['pid'], daemons[1].poll()), (daemons[1].pid, None))
         self.assertTrue(is_gone(cpu))

@@ -15,7 +15,7 @@ class Lines(FaultTest):
         self.assertEqual(self.answered(1)['output']['state'], 'down')  # at once
         self.wait('break located by all', lambda: all(
             (self.answered(i)['broken_line'] or {}).get('behind') == 2 for i in range(len(nodes))))
-        row = self.row(2)
+        row = self.answered(2)
         self.assertEqual((row['state'], row['broken_line']['before']), ('open_chain', 1))
         text = self.ctl('status').stdout
         self.assertRegex(text, r'broken line node1 -> node2, [0-9.]+ s ago, announced [0-9.]+ s later\n')

@@ -99,7 +99,7 @@ class Supervisor(RingTest):
         daemons[1].kill()
         cpu = self.wait_verdict(1, 'unreachable', supervisor=2)
         self.assertEqual((cpu['hangs'], cpu['resets']), (0, 0))
-        self.assertNotIn('supervisor', self.row(0))
+        self.assertNotIn('supervisor', self.answered(0))
 
 
 if __name__ == '__main__':

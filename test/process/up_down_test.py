@@ -181,7 +181,7 @@ class UpDown(RingTest):
         config = self.write_ring(plain_nodes(2) + [{'id': 2, 'name': 'node2', 'cpu': {'command': ['sleep', '1000']}}])
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             up = self.start('up', [ring_process.program('ringctl'), 'up', config, '--detach', '--timeout', '300'])
-            pids = [self.wait('a daemon', lambda: self.row(node))['pid'] for node in range(2)]
+            pids = [self.answered(node)['pid'] for node in range(2)]
             up.send_signal(number)
             self.assertEqual(self.wait_exit(up), 1)
             self.assertTrue(all(ring_process.is_gone(pid) for pid in pids))

@@ -96,7 +96,7 @@ class Nodes(VirtualTest, FaultTest):
         self.up(self.limbs())
         cpu = self.wait_cpu(1, 'running')
         port = self.port(1)
-        before = self.row(1)
+        before = self.answered(1)
         self.assertEqual(self.begin('freeze', 'node1'), ['node1.freeze'])
         asked = port.request({'do': 'status'})
         self.wait_closed([0, 2, 3])

@@ -275,8 +275,10 @@ void Membership::duplicate_id_sign(std::uint8_t hop) {
 
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
-    const Duration tries = settings_.tries_last() + settings_.send_timeout();  // until no copy of the last is under way
-    known_to_all_from_ = std::min(known_to_all_from_, settings_.falls_into_parts() ? now + tries : now);
+    // Until the last try has left, and no copy of it is under way.
+    const Duration tries =
+        settings_.falls_into_parts() ? settings_.tries_last() + settings_.send_timeout() : Duration{0};
+    known_to_all_from_ = std::min(known_to_all_from_, now + tries);
     if (state_ == NodeState::open_chain) {
       forget_lost_lines();
       ring_size_ = hop + 1u;

@@ -132,7 +132,7 @@ void DataUnit::end_overdue(Time now) {
 }
 
 Time DataUnit::waiting_deadline() const {
-  Time deadline = try_deadline();
+  Time deadline = flight_.deadline();
   for (std::size_t q = 0; q < kQueues; ++q)
     if (front_waits(q)) deadline = std::min(deadline, overdue_at(queues_[q].front()));
   return deadline;

@@ -37,7 +37,7 @@ class DataUnit final : public SendUnit {
   void handle_timeout(Time now) {
     if (deadline() <= now) end_overdue(now);
   }
-  Time deadline() const { return any_waits() ? waiting_deadline() : try_deadline(); }
+  Time deadline() const { return any_waits() ? waiting_deadline() : flight_.deadline(); }
 
   /// As SendUnit::set_open_chain(); also ends refused sends of which an earlier try may have been taken: in an open
   /// chain this node may not hear that their receiver has forgotten that. (ours, protocol.md section 8.4)

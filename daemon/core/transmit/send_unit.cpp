@@ -96,11 +96,10 @@ void SendUnit::give_up(Time at) {
 }
 
 void SendUnit::handle_try_timeout(Time now) {
-  if (flight_.phase() == Flight::Phase::out && flight_.deadline() <= now) {
-    ++counters_.timeouts;
-    fail_try(now);
-  }
-  if (flight_.phase() == Flight::Phase::waiting && flight_.deadline() <= now) give_up(now);
+  if (flight_.deadline() > now) return;
+  if (flight_.phase() == Flight::Phase::waiting) return give_up(now);
+  ++counters_.timeouts;
+  fail_try(now);
 }
 
 void SendUnit::end_outstanding(Outcome outcome, Time at, Duration round_trip) {

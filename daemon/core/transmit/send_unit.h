@@ -180,9 +180,8 @@ class SendUnit {
   void end_outstanding(Outcome outcome, Time at, Duration round_trip = Duration{0});
   /// Tells the result, if it was not told before.
   void tell(Send& send, Outcome outcome, Time at, Duration round_trip = Duration{0});
+  /// At flight_.deadline().
   void handle_try_timeout(Time now);
-  /// When handle_try_timeout() has something to do.
-  Time try_deadline() const { return flight_.deadline(); }
   Time overdue_at(const Send& send) const { return send.asked + settings_.queue_timeout; }
   void give_up(Time at);
   /// A send that has its result already is not repeated, even if its retry waits for the line.

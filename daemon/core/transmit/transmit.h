@@ -34,7 +34,7 @@ class InterruptUnit final : public SendUnit {
   }
   Time deadline() const {
     if (queue_.empty()) return kNever;
-    return flight_.idle() ? overdue_at(queue_.front()) : try_deadline();
+    return flight_.idle() ? overdue_at(queue_.front()) : flight_.deadline();
   }
 
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
